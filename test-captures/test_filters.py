@@ -13,7 +13,6 @@ from sharkd import Sharkd
 from make import scenarios
 from merging import Group, groups
 from sistap.packets.dissection import Dissection
-from sistap.packets.faults import faults
 from sistap.sis.faults import FAULTS
 from sistap.wireshark.tshark import Tshark
 
@@ -171,7 +170,7 @@ def test_the_report_counts_what_the_filters_beside_it_find(
     counted = defaultdict(list)
     with Dissection(tshark, tmp_path / "capture.pcapng") as dissection:
         for packet in dissection.packets():
-            for fault in faults(packet):
+            for fault in packet.faults:
                 counted[fault.name].append(packet.number)
     found = {fault.name: sharkd.frames(tmp_path / "capture.pcapng", fault.filter) for fault in FAULTS}
     assert {fault.name: counted[fault.name] for fault in FAULTS} == found

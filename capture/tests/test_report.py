@@ -18,7 +18,7 @@ from sharkd import Sharkd
 from sistap.common.writing import Incomplete
 from sistap.episodes.rules import Severity
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag
-from sistap.packets.dissection import FIELDS, UNRESOLVED, Dissection, Packet
+from sistap.packets.dissection import FIELDS, UNRESOLVED, Dissection, Packet, packet_of
 from sistap.packets.kept import Span
 from sistap.records.record import Framing, Type
 from sistap.report import page, plain, tables
@@ -30,6 +30,7 @@ from sistap.sis.telegram import build
 from sistap.wireshark.rows import info
 from sistap.wireshark.tshark import Tshark, TsharkError
 
+CAPTURES = Path(__file__).parents[2] / "test-captures"
 CHARACTER_S = LINE.character_ns / 1e9
 FRAMES = [sent for sent in BUS if sent.type == Type.FRAME]
 
@@ -492,6 +493,17 @@ def test_what_later_versions_of_wireshark_write() -> None:
     packet = ToldTshark(sis__start="0x02", sis__control__reaction="True", sis__checksum__status="Good").packet()
     assert packet.telegrams[0].is_reaction
     assert packet.telegrams[0].good
+    assert not packet.faults
+
+
+def test_rows_that_differ_only_in_what_is_their_own_are_told_apart(tshark: Tshark) -> None:
+    """What rows have in common is worked out once; each is as if it were alone."""
+    for capture in sorted(CAPTURES.glob("*.pcapng")):
+        with Dissection(tshark, capture) as dissection:
+            for packet in dissection.packets():
+                alone = packet_of(dict(packet.columns))
+                alone.time_s, alone.is_again = packet.time_s, packet.is_again
+                assert packet == alone
 
 
 def test_several_telegrams_in_a_packet_are_told_apart_where_that_is_possible() -> None:

@@ -154,7 +154,7 @@ def handlers() -> Iterator[None]:
 def test_a_signal_ends_it_and_no_file_stays(
     tmp_path: Path, capture: Path, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
 ) -> None:
-    def reading(*_: object) -> None:
+    def reading(*_: object, **__: object) -> None:
         signal.raise_signal(number)
         pytest.fail("the signal did not end it")
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 from sistap.wireshark.rows import JOINT
 
 FIELD = "sis.access"
+_LONG = 1000  # characters of a text from which on it is not remembered
+_decode = json.JSONDecoder().raw_decode  # looks for no spaces around it, as json.loads does
 
 
 class Parameter(NamedTuple):
@@ -51,22 +54,29 @@ class Access(NamedTuple):
 
 def accesses(columns: Mapping[str, str]) -> Iterator[Access]:
     """Yield the accesses in the row of a packet. A list of services, or TCP, may have several."""
+    port = columns.get("frame.interface_name", "")
     for text in filter(None, columns.get(FIELD, "").split(JOINT)):
-        # tshark escapes its output once more
-        said = json.loads(text.replace("\\\\", "\\"))
-        port = columns.get("frame.interface_name", "")
-        yield Access(
-            parameter=Parameter(port, said["station"], said["device"], said["parameter"]),
-            is_write=said["access"] == "write",
-            master=said.get("master"),
-            error=said.get("error", ""),
-            value=said.get("value", ""),
-            number=said.get("number"),
-            data=said.get("data"),
-            name=said.get("name", ""),
-            unit=said.get("unit", ""),
-            minimum=said.get("minimum", ""),
-            maximum=said.get("maximum", ""),
-            is_raw=said.get("raw", False),
-            text=said.get("text"),
-        )
+        yield _known(port, text) if len(text) < _LONG else _access(port, text)
+
+
+def _access(port: str, text: str) -> Access:
+    """Return the access of a JSON text, which tshark has escaped once more."""
+    said, _ = _decode(text.replace("\\\\", "\\"))
+    return Access(
+        parameter=Parameter(port, said["station"], said["device"], said["parameter"]),
+        is_write=said["access"] == "write",
+        master=said.get("master"),
+        error=said.get("error", ""),
+        value=said.get("value", ""),
+        number=said.get("number"),
+        data=said.get("data"),
+        name=said.get("name", ""),
+        unit=said.get("unit", ""),
+        minimum=said.get("minimum", ""),
+        maximum=said.get("maximum", ""),
+        is_raw=said.get("raw", False),
+        text=said.get("text"),
+    )
+
+
+_known = lru_cache(1024)(_access)  # many are read again and again, and have not changed

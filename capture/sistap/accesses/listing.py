@@ -15,6 +15,7 @@ from typing import NamedTuple
 from sistap.accesses.access import Access, Parameter
 
 MOST = 10_000  # parameters in the list
+_LONG = 32  # digits of a value from which on only its digest is kept
 
 
 class Place(NamedTuple):
@@ -34,10 +35,29 @@ class Change(NamedTuple):
 
 
 @dataclass
-class Listed:
-    """What is known about a parameter."""
+class Present:
+    """The present value of a parameter."""
 
     parameter: Parameter
+    value: str | None = None  # None: unknown
+    whole: str = ""  # all of it, or the digest of all
+
+    def follow(self, access: Access) -> bool:
+        """Take what an access tells of it; tell whether it is a write that changed it, or may have. All of the value is
+        compared: what is shown may be cut off.
+        """
+        is_known, before, whole = self.value is not None, self.whole, access.whole
+        if whole is not None:
+            self.value, self.whole = access.value, whole if len(whole) < _LONG else _digest(whole)
+        elif access.is_write:
+            self.value = None  # a part of it
+        return access.is_write and not (whole is not None and is_known and self.whole == before)
+
+
+@dataclass
+class Listed(Present):
+    """What is known about a parameter."""
+
     name: str = ""
     unit: str = ""
     minimum: str = ""  # elements of the parameter, as they were read
@@ -52,8 +72,6 @@ class Listed:
     raw: int = 0  # values that are bytes, so they are not among these
     written_by: int | None = None  # the station that wrote it last
     written_in: Place | None = None
-    value: str | None = None  # its present value; None: unknown
-    digest: bytes = b""  # of that value's bytes
 
     def add(self, place: Place, access: Access) -> Change | None:
         """Count an access; return the change that it made."""
@@ -71,7 +89,8 @@ class Listed:
             self.reads += 1
         if access.value:
             self._add_value(access)
-        return self._follow(place, access)
+        before = self.value
+        return Change(place, access, before) if self.follow(access) else None
 
     def _add_value(self, access: Access) -> None:
         self.first = self.first or access.value
@@ -84,16 +103,6 @@ class Listed:
             self.least = access
         if self.greatest is None or number > (self.greatest.number or 0):
             self.greatest = access
-
-    def _follow(self, place: Place, access: Access) -> Change | None:
-        """Remember the present value of the parameter. All of it is compared: what is shown may be cut off."""
-        before, digest_before = self.value, self.digest
-        if access.whole is not None:
-            self.value, self.digest = access.value, hashlib.blake2b(access.whole.encode(), digest_size=16).digest()
-        elif access.is_write:
-            self.value = None  # a part of it
-        is_same = access.whole is not None and before is not None and self.digest == digest_before
-        return Change(place, access, before) if access.is_write and not is_same else None
 
 
 class Listing:
@@ -115,7 +124,7 @@ class Listing:
 
     def __iter__(self) -> Iterator[Listed]:
         """Yield all parameters: by port, station, device and ident."""
-        yield from sorted(self._listed.values(), key=lambda listed: _order(listed.parameter))
+        yield from sorted(self._listed.values(), key=lambda listed: order(listed.parameter))
 
     def __len__(self) -> int:
         return len(self._listed)
@@ -126,5 +135,11 @@ class Listing:
         return sum(listed.errors for listed in self._listed.values())
 
 
-def _order(parameter: Parameter) -> tuple[str, list[int], int, str]:
+def _digest(whole: str) -> str:
+    """Return what stands for a long value."""
+    return hashlib.blake2b(whole.encode(), digest_size=_LONG // 2).hexdigest()
+
+
+def order(parameter: Parameter) -> tuple[str, list[int], int, str]:
+    """Return the key by which parameters are sorted: port, station, device and ident."""
     return parameter.port, [int(number) for number in re.findall(r"\d+", parameter.station)], *parameter[2:]

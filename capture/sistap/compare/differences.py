@@ -186,7 +186,7 @@ def _parameters(good: Side, bad: Side) -> Iterator[Parameter]:
 
 def _differ(before: Listed, after: Listed) -> bool:
     if before.value is not None and after.value is not None:
-        return before.digest != after.digest
+        return before.whole != after.whole
     return bool(before.last and after.last and before.last != after.last)
 
 

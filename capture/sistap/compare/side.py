@@ -15,9 +15,8 @@ from sistap.common.garbage import uncollected
 from sistap.compare.samples import Samples
 from sistap.episodes.engine import Engine
 from sistap.episodes.episode import Episode
-from sistap.packets.dissection import Dissection, Packet, Telegram
+from sistap.packets.dissection import LOST, Dissection, Packet, Telegram
 from sistap.packets.distribution import Distribution
-from sistap.packets.faults import LOST
 from sistap.wireshark.rows import FRAME, OTHER
 from sistap.wireshark.tshark import Tshark
 

@@ -3,18 +3,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from sistap.episodes.episode import Hit
 from sistap.episodes.rules import Severity
-from sistap.packets.dissection import EXCEEDED, UNRESOLVED, Judged, Packet, Telegram
-from sistap.packets.faults import LOST
+from sistap.packets.dissection import EXCEEDED, LOST, UNRESOLVED, Judged, Packet, Telegram
 from sistap.records.record import Event, interval_text
 from sistap.sis.telegram import service_name
 from sistap.wireshark.rows import OTHER
 
 _ALL = 255  # the address of all stations
+_TOLD = (EXCEEDED, UNRESOLVED)
 _LIMITS = (("late", "TrS", "reaction"), ("interval", "TzA", "pause"), ("cycle", "Tmas", "cycle"))
 
 
@@ -36,37 +36,42 @@ class Faults:
         """Begin without a command."""
         self._asked: int | None = None  # the station whose reaction is due
 
-    def add(self, packet: Packet) -> Iterator[Hit]:
-        """Yield the hits of a packet."""
-        yield from self._damage(packet)
+    def add(self, packet: Packet) -> Iterable[Hit]:
+        """Return the hits of a packet."""
+        is_bad = not all(telegram.good for telegram in packet.telegrams)
+        is_other = packet.type == OTHER and self._asked is not None
+        hits: list[Hit] = []
+        if is_bad or is_other or packet.errors or packet.event == Event.CHARACTERS_LOST:
+            hits += self._damage(packet, is_bad=is_bad, is_other=is_other)
         for telegram in packet.telegrams:
             if telegram.good:
-                yield from _limits(packet, telegram)
-                yield from _errors(packet, telegram)
+                if any(judged and judged.verdict in _TOLD for judged in telegram.judged):
+                    hits += _limits(packet, telegram)
+                if telegram.has_system_error or telegram.is_refusal:
+                    hits += _errors(packet, telegram)
                 self._asked = None if telegram.is_reaction else telegram.listener
+        return hits
 
-    def _damage(self, packet: Packet) -> Iterator[Hit]:
+    def _damage(self, packet: Packet, *, is_bad: bool, is_other: bool) -> Iterator[Hit]:
         """Yield damage: of one cause, the first that is known. Its station is the one whose telegram was due."""
-        bad = [telegram for telegram in packet.telegrams if not telegram.good]
-        is_other = packet.type == OTHER and self._asked is not None
         station = self._asked
         if station is None and packet.telegrams:
             station = slave(packet.telegrams[0])
-        what = "in a telegram that is damaged" if bad or is_other else "in a telegram that is not damaged"
+        what = "in a telegram that is damaged" if is_bad or is_other else "in a telegram that is not damaged"
         if packet.errors & ~LOST:
             yield _hit("line_error", packet, station, what)
         elif packet.errors & LOST:
             yield _hit("lost", packet, station, what)
         elif packet.event == Event.CHARACTERS_LOST:
             yield _hit("lost", packet, None, packet.text)
-        elif bad or is_other:
-            yield _hit("damaged", packet, station, "its checksum is wrong" if bad else "its rest is not a telegram")
+        elif is_bad or is_other:
+            yield _hit("damaged", packet, station, "its checksum is wrong" if is_bad else "its rest is not a telegram")
 
 
 def _limits(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
     for kind, name, field in _LIMITS:
         judged: Judged | None = getattr(telegram, field)
-        if not judged or judged.verdict not in (EXCEEDED, UNRESOLVED) or (kind == "interval" and packet.errors & LOST):
+        if not judged or judged.verdict not in _TOLD or (kind == "interval" and packet.errors & LOST):
             continue
         limit = f", {name} {judged.limit_s * 1e3:g} ms" if judged.limit_s is not None else ""
         position = f" before character {telegram.pause_position}" if kind == "interval" else ""

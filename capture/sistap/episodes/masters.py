@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from sistap.accesses.access import Access, Parameter
-from sistap.accesses.listing import MOST, Listing, Place
+from sistap.accesses.listing import MOST, Present, order
 from sistap.episodes.episode import ARROW, Hit
 from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.packets.dissection import Packet
@@ -31,8 +31,9 @@ class Masters:
         """Tell whether it asked neither at the beginning nor in the good capture. Who asks in ASCII is not known."""
         return master is not None and master not in self._usual
 
-    def add(self, packet: Packet) -> Iterator[Hit]:
-        """Yield commands of a new master."""
+    def add(self, packet: Packet) -> Iterable[Hit]:
+        """Return commands of a new master."""
+        hits: list[Hit] = []
         for telegram in packet.telegrams:
             if not telegram.good or telegram.is_reaction or telegram.talker is None:
                 continue
@@ -41,16 +42,10 @@ class Masters:
                 self._learning -= 1
                 self._usual.add(telegram.talker)
             elif self.is_new(telegram.talker) and telegram.listener not in self._usual:  # to a master: a token
-                yield Hit(
-                    "master",
-                    packet.number,
-                    packet.epoch_s,
-                    packet.ended_s,
-                    telegram.listener,
-                    detail=f"asked by new master {telegram.talker}",
-                    port=packet.interface,
-                    topic=str(telegram.talker),
-                )
+                place = packet.number, packet.epoch_s, packet.ended_s, telegram.listener
+                detail, topic = f"asked by new master {telegram.talker}", str(telegram.talker)
+                hits.append(Hit("master", *place, detail=detail, port=packet.interface, topic=topic))
+        return hits
 
 
 class Writes:
@@ -63,32 +58,45 @@ class Writes:
         self._usual: set[Parameter] = before.written if before else set()
         self._known = before.values() if before else {}
         self.written: set[Parameter] = set()  # without the port: tomorrow the tap may be at another one
-        self._listing = Listing()  # it knows the value before
+        self._present: dict[Parameter, Present] = {}
         self._rare: defaultdict[Parameter, list[Hit]] = defaultdict(list)  # the first writes of usual masters
 
-    def add(self, packet: Packet) -> Iterator[Hit]:
-        """Yield writes of new masters."""
+    def add(self, packet: Packet) -> Iterable[Hit]:
+        """Return writes of new masters."""
+        hits: list[Hit] = []
         for access in packet.accesses:
-            change = self._listing.add(Place("", packet.number, packet.epoch_s), access)
-            if not access.is_write or access.error:
+            if access.error:
+                continue
+            present = self._of(access.parameter)
+            before = present.value if present else None
+            is_change = present is not None and present.follow(access)
+            if not access.is_write:
                 continue
             parameter = access.parameter._replace(port="")
             if len(self.written) < MOST:
                 self.written.add(parameter)
-            before = change.before or self._known.get(parameter) if change else access.value
-            hit = self._hit(packet, access, before)
+            was = before or self._known.get(parameter) if is_change else access.value
+            hit = self._hit(packet, access, was)
             if self._masters.is_new(access.master):
-                yield hit
+                hits.append(hit)
             elif (
                 parameter not in self._usual
                 and len(self._rare) < MOST
                 and len(self._rare[access.parameter]) <= self._thresholds.rare_writes
             ):
-                self._rare[access.parameter].append(hit if change else hit._replace(kind=""))
+                self._rare[access.parameter].append(hit if is_change else hit._replace(kind=""))
+        return hits
+
+    def _of(self, parameter: Parameter) -> Present | None:
+        present = self._present.get(parameter)
+        if present is None and len(self._present) < MOST:
+            present = self._present[parameter] = Present(parameter)
+        return present
 
     def values(self) -> dict[Parameter, str | None]:
         """Return the values known at the end, without ports."""
-        return self._known | {one.parameter._replace(port=""): one.value for one in self._listing}
+        ordered = sorted(self._present.values(), key=lambda present: order(present.parameter))
+        return self._known | {present.parameter._replace(port=""): present.value for present in ordered}
 
     def _hit(self, packet: Packet, access: Access, before: str | None) -> Hit:
         was = f"{before}{ARROW}" if before is not None else ""

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -52,33 +52,33 @@ class BusSilence:
         self._last: Packet | None = None
         self._began_s = 0.0
 
-    def add(self, packet: Packet) -> Iterator[Hit]:
-        """Yield the silence before a packet."""
+    def add(self, packet: Packet) -> Iterable[Hit]:
+        """Return the silence before a packet."""
         if packet.type == EVENT:
             is_seam = packet.event in (Event.CAPTURE_STARTED, Event.ADAPTER_LOST) and not packet.is_again
             if is_seam or packet.is_kept_apart:
                 self._last = None
-            return
+            return ()
         last, self._last = self._last, packet
         if last is None:
             self._began_s = packet.epoch_s
-            return
+            return ()
         apart_s = packet.epoch_s - last.ended_s
         # The interval is that of its line, of which a bus may have two. Time stamps may jump.
         silence_s = apart_s if packet.since_s is None else min(packet.since_s, apart_s)
         begin_s = packet.epoch_s - silence_s
         if silence_s < self._thresholds.bus_silent_s or not self._is_long(silence_s):
             self._usual.append(silence_s)
-            return
+            return ()
         is_known = len(self._usual) >= _ENOUGH and begin_s - self._began_s >= _TIMES_HEARD * silence_s
         if not is_known:
             self._usual.append(silence_s)
         if self._is_in_rhythm(begin_s, silence_s):
-            return
+            return ()
         detail = f"{seconds(silence_s)}: cable or master off?"
         severity = None if is_known else Severity.NOTE
         place = "bus_silent", packet.number, begin_s, packet.epoch_s, None, ""
-        yield Hit(*place, detail, silence_s, severity, packet.interface)
+        return (Hit(*place, detail, silence_s, severity, packet.interface),)
 
     def _is_in_rhythm(self, begin_s: float, silence_s: float) -> bool:
         long = _Long(silence_s, begin_s - self._long_s)
@@ -112,21 +112,21 @@ class StationSilence:
         self._stations: dict[int, _Asked] = {}
         self._pending: tuple[Packet, Telegram] | None = None  # a command without a reaction: perhaps that is damaged
 
-    def add(self, packet: Packet) -> Iterator[Hit]:
-        """Yield silences that end with a packet."""
-        if packet.is_kept_apart:
-            yield from self._part(packet.interface)
+    def add(self, packet: Packet) -> Iterable[Hit]:
+        """Return silences that end with a packet."""
+        hits: list[Hit] = list(self._part(packet.interface)) if packet.is_kept_apart else []
         if packet.type != EVENT and not any(telegram.good for telegram in packet.telegrams):
             self._pending = None  # what came may have been the reaction
         for telegram in packet.telegrams:
             if telegram.good:
                 self._resolve()
                 if telegram.is_reaction:
-                    yield from self._answered(packet, telegram)
+                    hits += self._answered(packet, telegram)
                 elif telegram.unanswered:
                     self._pending = packet, telegram
                 elif telegram.is_repeat and telegram.listener in self._stations:
                     self._stations[telegram.listener].repeats += 1
+        return hits
 
     def finish(self, port: str) -> Iterator[Hit]:
         """Yield silences that last to the end."""
@@ -154,15 +154,19 @@ class StationSilence:
         asked.repeats += telegram.is_repeat
         asked.to_s = packet.ended_s
 
-    def _answered(self, packet: Packet, telegram: Telegram) -> Iterator[Hit]:
+    def _answered(self, packet: Packet, telegram: Telegram) -> Iterable[Hit]:
         if telegram.talker is None:
-            return
+            return ()
         asked = self._stations.get(telegram.talker)
-        if asked and asked.count:
-            asked.to_s = packet.epoch_s
-            asked.has_answered = True
-            yield from self._told(packet.interface, telegram.talker, asked)
+        if asked and not asked.count and asked.has_answered:
+            asked.repeats = 0
+            return ()
         self._stations[telegram.talker] = _Asked(has_answered=True)
+        if not asked:
+            return ()
+        asked.to_s = packet.epoch_s
+        asked.has_answered = True
+        return self._told(packet.interface, telegram.talker, asked)
 
     def _told(self, port: str, station: int, asked: _Asked) -> Iterator[Hit]:
         if not asked.count:

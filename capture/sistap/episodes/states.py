@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from sistap.episodes.episode import ARROW, Hit
 from sistap.episodes.faults import slave
@@ -31,20 +31,27 @@ class Phases:
         self._phases: dict[int, str] = dict(before._phases) if before else {}
         self._switched_s: dict[int, float] = {}
 
-    def add(self, packet: Packet) -> Iterator[Hit]:
-        """Yield switches, and phases that changed by themselves."""
+    def add(self, packet: Packet) -> Iterable[Hit]:
+        """Return switches, and phases that changed by themselves."""
+        hits: list[Hit] = []
         for telegram in packet.telegrams:
-            phase, station = first(telegram.columns.get("sis.phase", "")), slave(telegram)
-            if not telegram.good or not phase or station is None:
-                continue
-            before = self._phases.get(station, "")
-            if telegram.service == _SWITCH:
-                self._switched_s[station] = packet.epoch_s
-            elif packet.epoch_s - self._switched_s.get(station, -math.inf) < self._thresholds.switching_s:
-                continue
-            self._phases[station] = phase
-            if before != phase and (before or telegram.service == _SWITCH):
-                yield _hit("phase", packet, station, f"{before or 'unknown'}{ARROW}{phase}")
+            phase = telegram.columns.get("sis.phase")
+            if phase and telegram.good:
+                hits += self._of(packet, telegram, first(phase))
+        return hits
+
+    def _of(self, packet: Packet, telegram: Telegram, phase: str) -> Iterator[Hit]:
+        station = slave(telegram)
+        if station is None:
+            return
+        before = self._phases.get(station, "")
+        if telegram.service == _SWITCH:
+            self._switched_s[station] = packet.epoch_s
+        elif packet.epoch_s - self._switched_s.get(station, -math.inf) < self._thresholds.switching_s:
+            return
+        self._phases[station] = phase
+        if before != phase and (before or telegram.service == _SWITCH):
+            yield _hit("phase", packet, station, f"{before or 'unknown'}{ARROW}{phase}")
 
 
 class Rate:
@@ -54,12 +61,12 @@ class Rate:
         """Begin with that of a good capture, or with none known."""
         self._baud: int = before._baud if before else 0
 
-    def add(self, packet: Packet) -> Iterator[Hit]:
-        """Yield changes."""
-        if packet.baud and packet.baud != self._baud:
-            if self._baud:
-                yield _hit("rate", packet, None, f"{self._baud}{ARROW}{packet.baud} Bd")
-            self._baud = packet.baud
+    def add(self, packet: Packet) -> Iterable[Hit]:
+        """Return a change."""
+        before, self._baud = self._baud, packet.baud or self._baud
+        if before in (0, self._baud):
+            return ()
+        return (_hit("rate", packet, None, f"{before}{ARROW}{self._baud} Bd"),)
 
 
 class Limits:
@@ -69,23 +76,25 @@ class Limits:
         """Begin with those of a good capture, or with none known."""
         self._limits: dict[tuple[str, int], float] = dict(before._limits) if before else {}
 
-    def add(self, packet: Packet) -> Iterator[Hit]:
-        """Yield changes; the first ones known are none."""
+    def add(self, packet: Packet) -> Iterable[Hit]:
+        """Return changes; the first ones known are none."""
+        hits: list[Hit] = []
         for telegram in packet.telegrams:
-            if telegram.good and telegram.is_reaction:
-                yield from self._changes(packet, telegram)
-
-    def _changes(self, packet: Packet, telegram: Telegram) -> Iterator[Hit]:
-        for name, judged in (("TzA", telegram.pause), ("TrS", telegram.reaction)):
-            if not judged or judged.limit_s is None or telegram.talker is None:
+            if not telegram.good or not telegram.is_reaction or telegram.talker is None:
                 continue
-            before = self._limits.get((name, telegram.talker))
-            if before != judged.limit_s:
-                self._limits[name, telegram.talker] = judged.limit_s
-                if before is not None:
-                    yield _hit(
-                        "limits", packet, telegram.talker, f"{name} {before * 1e3:g}{ARROW}{judged.limit_s * 1e3:g} ms"
-                    )._replace(topic=name)
+            for name, judged in (("TzA", telegram.pause), ("TrS", telegram.reaction)):
+                if judged and judged.limit_s is not None:
+                    before = self._limits.get((name, telegram.talker))
+                    if before != judged.limit_s:
+                        self._limits[name, telegram.talker] = judged.limit_s
+                        hits += _changed(packet, telegram.talker, name, before, judged.limit_s)
+        return hits
+
+
+def _changed(packet: Packet, station: int, name: str, before_s: float | None, limit_s: float) -> Iterator[Hit]:
+    if before_s is not None:
+        change = f"{name} {before_s * 1e3:g}{ARROW}{limit_s * 1e3:g} ms"
+        yield _hit("limits", packet, station, change)._replace(topic=name)
 
 
 class Tap:
@@ -96,21 +105,21 @@ class Tap:
         self._thresholds = thresholds
         self._ends_s: dict[int | None, float] = {}  # of the last characters, by line
 
-    def add(self, packet: Packet) -> Iterator[Hit]:
-        """Yield what a packet says of it."""
+    def add(self, packet: Packet) -> Iterable[Hit]:
+        """Return what a packet says of it."""
         if packet.is_kept_apart:  # neither a gap nor a jump
             self._ends_s = {}
         if packet.type == EVENT:
-            yield from self._event(packet, max(self._ends_s.values(), default=None))
-            return
+            return self._event(packet, max(self._ends_s.values(), default=None))
         end_s = self._ends_s.get(packet.line)
         self._ends_s[packet.line] = packet.ended_s
-        if end_s is not None and packet.since_s is not None:
+        if end_s is None:
+            return ()
+        if packet.since_s is not None:
             jump_s = packet.epoch_s - packet.since_s - end_s
-            if abs(jump_s) > self._thresholds.clock_s:
-                yield self._jump(packet, jump_s)
-        elif end_s is not None and packet.epoch_s < end_s - self._thresholds.clock_s:
-            yield self._jump(packet, packet.epoch_s - end_s)
+            return (self._jump(packet, jump_s),) if abs(jump_s) > self._thresholds.clock_s else ()
+        is_back = packet.epoch_s < end_s - self._thresholds.clock_s
+        return (self._jump(packet, packet.epoch_s - end_s),) if is_back else ()
 
     def _event(self, packet: Packet, end_s: float | None) -> Iterator[Hit]:
         if packet.event == Event.ADAPTER_LOST:

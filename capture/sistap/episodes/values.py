@@ -79,9 +79,10 @@ class Values:
         yield from self._followed.items()
 
     def _of(self, parameter: Parameter) -> _Followed | None:
-        if parameter not in self._followed and len(self._followed) >= MOST:
-            return None
-        return self._followed.setdefault(parameter, _Followed(self._levels()))
+        followed = self._followed.get(parameter)
+        if followed is None and len(self._followed) < MOST:
+            followed = self._followed[parameter] = _Followed(self._levels())
+        return followed
 
     def _levels(self) -> Levels:
         return Levels(self._thresholds)

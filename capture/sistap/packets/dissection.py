@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sistap.accesses.access import FIELD as ACCESSES
 from sistap.accesses.access import Access, accesses
 from sistap.line.settings import Flag
 from sistap.packets.kept import Kept, Span
 from sistap.records.record import KEPT, Event
-from sistap.sis.faults import FAULTS
+from sistap.sis.faults import FAULTS, Fault
 from sistap.wireshark import rows
 from sistap.wireshark.rows import (
     EVENT,
@@ -81,15 +81,34 @@ _SHOWN = (
 )
 _TESTED = rows.tested(test for fault in FAULTS for test in fault.tests)
 FIELDS = tuple(dict.fromkeys((*_SHOWN, *_TESTED)))
+# Those that differ from packet to packet. All others together have few different texts in a capture.
+_OWN = {
+    "frame.number",
+    "frame.time_epoch",
+    "frame.time_relative",
+    "sertap.uncertainty",
+    "sertap.interval",
+    "sertap.interval.max",
+    "sis.command_in",
+    "sis.silence_before",
+    "sis.reaction_time",
+    "sis.tza.interval_max",
+    "sis.tza.position",
+    "sis.tmas.cycle",
+    "sis.bus.load",
+    ACCESSES,
+}.difference(_TESTED)
+_REMEMBERED = 2048  # of the texts of all others; each takes some 5 kB
 _BEGINNING = {Event.CAPTURE_STARTED, Event.LIMITS_TOLD}
 _GOOD = {"1", "Good"}
 _TRUE = {"1", "True"}
+LOST = int(Flag.LOST_BEFORE)  # in the errors of a packet
 _CONTROL_ERROR = 6  # status bits of the edition ECODRIVE03: error
 _LINE_ERRORS = (
     ("sertap.error.character", int(Flag.CHARACTER_ERROR)),
     ("sertap.error.break", int(Flag.BREAK)),
     ("sertap.error.unlocated", int(Flag.UNLOCATED_ERROR)),
-    ("sertap.error.lost", int(Flag.LOST_BEFORE)),
+    ("sertap.error.lost", LOST),
 )
 
 
@@ -132,6 +151,11 @@ class Telegram:
     pause_position: int | None  # of the character after it, from 1
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
 
+    @property
+    def judged(self) -> tuple[Judged | None, Judged | None, Judged | None]:
+        """Return the times that have a limit."""
+        return self.reaction, self.pause, self.cycle
+
 
 @dataclass(slots=True)
 class Packet:
@@ -154,6 +178,7 @@ class Packet:
     accesses: list[Access] = field(default_factory=list)  # to parameters
     framing: int | None = None  # of a frame; 0: SIS
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
+    faults: Sequence[Fault] = ()
     since_s: float | None = None  # from the character before it on its line to its first; None: unknown
     line: int | None = None
     length_s: float = field(init=False)
@@ -204,12 +229,13 @@ class Dissection:
         self._preferences = [word for name, value in preferences.items() for word in ("-o", f"{name}:{value}")]
         self._tshark = tshark
         self._capture = capture
+        self._more = more
         self._fields = (*FIELDS, *more)
         self._keeps = keeps
         self._since_s = since_s
         self._zero_s = 0.0 if since_s == -math.inf else None  # where the seconds begin; None: not yet reached
         self._unknown: set[str] = set()
-        self._names: list[str] = []  # of the columns
+        self._rows = _Rows((), ())
         self._kept = Kept()
         self.warning = ""  # what tshark said at the end of a capture that is cut off
 
@@ -237,19 +263,19 @@ class Dissection:
     def again(self, spans: Collection[Span]) -> Iterator[Packet]:
         """Yield again the packets that begin in these spans."""
         for row in self._kept.rows(spans):
-            packet = packet_of(rows.columns(self._names, row))
+            packet = self._rows.packet(row)
             packet.time_s -= self._zero_s or 0.0
             if any(span.start_s <= packet.time_s <= span.end_s for span in spans):
                 yield packet
 
     def _packets(self) -> Iterator[Packet]:
-        self._names = [name for name in self._fields if name not in self._unknown]
-        arguments = ["-r", str(self._capture), "-2", *self._preferences, *rows.printing(self._names)]
+        self._rows = _Rows([name for name in self._fields if name not in self._unknown], self._more)
+        arguments = ["-r", str(self._capture), "-2", *self._preferences, *rows.printing(self._rows.names)]
         came = False
         try:
             for line in self._tshark.lines(arguments):
                 came = True
-                packet = packet_of(rows.columns(self._names, line))
+                packet = self._rows.packet(line)
                 if self._zero_s is None and packet.epoch_s >= self._since_s:
                     self._zero_s = packet.time_s
                 packet.is_before = self._zero_s is None
@@ -300,105 +326,156 @@ class _UnknownFields(Exception):
         self.names = names
 
 
-def packet_of(columns: dict[str, str]) -> Packet:
-    """Return the packet of a row."""
+class _AlikeTelegram(NamedTuple):
+    """What a row says of a telegram besides what is its own."""
+
+    fields: dict[str, Any]  # of a Telegram
+    trs: tuple[float | None, int | None]  # limit and verdict
+    tza: tuple[float | None, int | None]
+    tmas: tuple[float | None, int | None]
+
+    @classmethod
+    def of(cls, columns: Mapping[str, str]) -> _AlikeTelegram:
+        """Work it out."""
+        get = columns.get
+        fields = {
+            "good": get("sis.checksum.status") in _GOOD,
+            "service": _integer(get("sis.service")),
+            "talker": _integer(get("sis.talker")),
+            "listener": _integer(get("sis.listener")),
+            "is_reaction": get("sis.control.reaction") in _TRUE,
+            "status": _integer(get("sis.status")),
+            "is_refusal": bool(_integer(get("sis.status"))) or _integer(get("sis.control.status")) == _CONTROL_ERROR,
+            "has_system_error": get("sis.control.error") in _TRUE,
+            "is_repeat": bool(get("sis.repeat_of")),
+            "unanswered": bool(get("sis.command.unanswered")),
+        }
+        trs, tza, tmas = (
+            (_number(get(f"sis.{name}.limit")), _integer(get(f"sis.{name}.verdict"))) for name in ("trs", "tza", "tmas")
+        )
+        return cls(fields, trs, tza, tmas)
+
+
+class _Alike(NamedTuple):
+    """What a row says besides what is its own, worked out once for all rows that say the same."""
+
+    columns: dict[str, str]
+    packet: dict[str, Any]  # fields of a Packet
+    telegram: _AlikeTelegram | None  # if there is exactly one
+    telegrams: int
+    unknown: int  # intervals
+
+    @classmethod
+    def of(cls, columns: dict[str, str]) -> _Alike:
+        """Work it out."""
+        starts = columns.get("sis.start")
+        telegrams = starts.count(JOINT) + 1 if starts else 0
+        unknown = _how_often(columns.get("sertap.interval.unknown"))
+        return cls(
+            columns, _of_packet(columns), _AlikeTelegram.of(columns) if telegrams == 1 else None, telegrams, unknown
+        )
+
+
+class _Rows:
+    """Makes packets of the rows that tshark prints. Each row ends with the columns that are not its own."""
+
+    def __init__(self, names: Collection[str], more: Collection[str]) -> None:
+        """Print these fields; `more` of them are own, too."""
+        own = _OWN.union(more)
+        self._own = [name for name in names if name in own]
+        self._others = [name for name in names if name not in own]
+        self.names = self._own + self._others
+        self._alike = lru_cache(_REMEMBERED)(self._work_out)
+
+    def packet(self, row: str) -> Packet:
+        """Return the packet of a row."""
+        texts = rows.safe(row).split("\t", len(self._own))
+        alike = self._alike("\t".join(texts[len(self._own) :]))
+        columns = alike.columns.copy()
+        columns.update(zip(self._own, texts, strict=False))
+        return packet_of(columns, alike)
+
+    def _work_out(self, text: str) -> _Alike:
+        own = dict.fromkeys(self._own, "")  # a copy of the columns has room for them
+        return _Alike.of(own | dict(zip(self._others, text.split("\t"), strict=False)))
+
+
+def packet_of(columns: dict[str, str], alike: _Alike | None = None) -> Packet:
+    """Return the packet of a row; `alike`: what is known of such rows."""
+    alike = alike or _Alike.of(columns)
+    text = columns.get("sertap.interval")
+    intervals_s = list(map(float, text.split(JOINT))) if text else []
     return Packet(
         number=int(columns["frame.number"]),
         epoch_s=float(columns["frame.time_epoch"] or 0),
         time_s=float(columns["frame.time_relative"] or 0),
-        interface=columns.get("frame.interface_name", ""),
-        type=_known_integer(columns.get("sertap.type")),
-        baud=_known_integer(columns.get("sertap.baud")),
-        format=columns.get("sertap.format", ""),
-        uncertainty_s=_number(columns.get("sertap.uncertainty")),
-        event=_known_integer(columns.get("sertap.event")),
-        text=columns.get("sertap.text", ""),
-        intervals_s=_intervals(columns),
-        same_read=_how_often(columns.get("sertap.same_read")),
-        errors=_errors(columns),
-        telegrams=_telegrams(columns),
-        accesses=list(accesses(columns)),
-        framing=_known_integer(columns.get("sertap.framing")),
+        uncertainty_s=_known_number(columns.get("sertap.uncertainty")),
+        intervals_s=_inside(intervals_s, alike.unknown),
+        telegrams=_telegrams(columns, alike),
+        accesses=list(accesses(columns)) if columns.get(ACCESSES) else [],
         columns=columns,
-        since_s=_since(columns),
-        line=_known_integer(columns.get("sertap.line")),
+        since_s=intervals_s[0] if intervals_s and not alike.unknown else None,
+        **alike.packet,
     )
 
 
-def _since(columns: dict[str, str]) -> float | None:
-    """Return the interval before the first character, unless one of them is unknown."""
-    text = columns.get("sertap.interval")
-    return float(first(text)) if text and not _how_often(columns.get("sertap.interval.unknown")) else None
-
-
-def _intervals(columns: dict[str, str]) -> list[float]:
+def _inside(intervals_s: list[float], unknown: int) -> list[float]:
     """Return the intervals inside a record: without the one before its first character, which may be unknown."""
-    text = columns.get("sertap.interval")
-    if not text:
-        return []
-    unknown = _how_often(columns.get("sertap.interval.unknown"))
     if unknown > 1:
         return []  # nobody knows which ones they are
-    intervals = list(map(float, text.split(JOINT)))
-    return intervals if unknown else intervals[1:]
+    return intervals_s if unknown else intervals_s[1:]
 
 
-def _errors(columns: dict[str, str]) -> int:
-    errors = 0
-    for name, flag in _LINE_ERRORS:
-        if _how_often(columns.get(name)):
-            errors |= flag
-    return errors
+def _of_packet(columns: Mapping[str, str]) -> dict[str, Any]:
+    get = columns.get
+    return {
+        "interface": get("frame.interface_name", ""),
+        "type": _integer(get("sertap.type")),
+        "baud": _integer(get("sertap.baud")),
+        "format": get("sertap.format", ""),
+        "event": _integer(get("sertap.event")),
+        "text": get("sertap.text", ""),
+        "same_read": _how_often(get("sertap.same_read")),
+        "errors": sum(flag for name, flag in _LINE_ERRORS if _how_often(get(name))),
+        "framing": _integer(get("sertap.framing")),
+        "line": _integer(get("sertap.line")),
+        "faults": tuple(fault for fault in FAULTS if rows.passes(fault.tests, columns)),
+    }
 
 
-def _telegrams(columns: dict[str, str]) -> list[Telegram]:
+def _telegrams(columns: dict[str, str], alike: _Alike) -> list[Telegram]:
     """Return the telegrams of a packet: TCP may carry several."""
-    starts = columns.get("sis.start")
-    if not starts:
-        return []
-    count = starts.count(JOINT) + 1
-    if count == 1:
-        return [_telegram(columns)]
+    if alike.telegram:
+        return [_telegram(columns, alike.telegram)]
     # If not all of them have a field, its values are ambiguous and are left out.
     split = {name: text.split(JOINT) for name, text in columns.items() if name.startswith("sis.")}
-    return [
-        _telegram({name: texts[index] for name, texts in split.items() if len(texts) == count})
-        for index in range(count)
+    parts = [
+        {name: texts[index] for name, texts in split.items() if len(texts) == alike.telegrams}
+        for index in range(alike.telegrams)
     ]
+    return [_telegram(part, _AlikeTelegram.of(part)) for part in parts]
 
 
-def _telegram(columns: dict[str, str]) -> Telegram:
+def _telegram(columns: Mapping[str, str], alike: _AlikeTelegram) -> Telegram:
     get = columns.get
     return Telegram(
-        good=get("sis.checksum.status") in _GOOD,
-        service=_known_integer(get("sis.service")),
-        talker=_known_integer(get("sis.talker")),
-        listener=_known_integer(get("sis.listener")),
-        is_reaction=get("sis.control.reaction") in _TRUE,
-        status=_known_integer(get("sis.status")),
-        is_refusal=bool(_known_integer(get("sis.status")))
-        or _known_integer(get("sis.control.status")) == _CONTROL_ERROR,
-        has_system_error=get("sis.control.error") in _TRUE,
         command_in=_integer(get("sis.command_in")),
-        is_repeat=bool(get("sis.repeat_of")),
-        unanswered=bool(get("sis.command.unanswered")),
         load_percent=_number(get("sis.bus.load")),
-        silence=_judged(get("sis.silence_before"), None, None),
-        reaction=_judged(get("sis.reaction_time"), get("sis.trs.limit"), get("sis.trs.verdict")),
+        silence=_judged(get("sis.silence_before")),
+        reaction=_judged(get("sis.reaction_time"), *alike.trs),
         # A dissector without a verdict on TzA still has the longest interval of a record.
-        pause=_judged(
-            get("sis.tza.interval_max") or get("sertap.interval.max"), get("sis.tza.limit"), get("sis.tza.verdict")
-        ),
-        cycle=_judged(get("sis.tmas.cycle"), get("sis.tmas.limit"), get("sis.tmas.verdict")),
+        pause=_judged(get("sis.tza.interval_max") or get("sertap.interval.max"), *alike.tza),
+        cycle=_judged(get("sis.tmas.cycle"), *alike.tmas),
         pause_position=_known_integer(get("sis.tza.position")),
         columns=columns,
+        **alike.fields,
     )
 
 
-def _judged(time: str | None, limit: str | None, verdict: str | None) -> Judged | None:
-    if not time and not verdict:
+def _judged(time: str | None, limit_s: float | None = None, verdict: int | None = None) -> Judged | None:
+    if not time and verdict is None:
         return None
-    return Judged(float(first(time)) if time else 0.0, _known_number(limit), _known_integer(verdict))
+    return Judged(float(first(time)) if time else 0.0, limit_s, verdict)
 
 
 def _integer(text: str | None) -> int | None:

@@ -32,8 +32,8 @@ class Distribution:
     _JOINED = 5  # bins that make one bar
 
     def __init__(self) -> None:
-        self.count = 0
         self.total_s = 0.0
+        self._sorted = 0  # into bins
         self._shortest_s = math.inf
         self._longest_s = 0.0
         self._bins: defaultdict[int, Bin] = defaultdict(Bin)
@@ -43,15 +43,22 @@ class Distribution:
 
     def add(self, times_s: Sequence[float]) -> None:
         """Count times."""
-        self.count += len(times_s)
         self.total_s += sum(times_s)
         self._waiting += times_s
-        if self.count <= self.FEW:
-            self._few += times_s
-        else:
-            self._few = []
         if len(self._waiting) >= self.FEW:
             self._sort()
+
+    def put(self, time_s: float) -> None:
+        """Count one time."""
+        self.total_s += time_s
+        self._waiting.append(time_s)
+        if len(self._waiting) >= self.FEW:
+            self._sort()
+
+    @property
+    def count(self) -> int:
+        """Return how many there are."""
+        return self._sorted + len(self._waiting)
 
     @property
     def shortest_s(self) -> float:
@@ -81,6 +88,11 @@ class Distribution:
         """Put what waits into bins."""
         if not self._waiting:
             return
+        self._sorted += len(self._waiting)
+        if self._sorted <= self.FEW:
+            self._few += self._waiting
+        else:
+            self._few = []
         times_s = sorted(self._waiting)
         self._waiting.clear()
         self._shortest_s = min(self._shortest_s, times_s[0])
@@ -101,6 +113,7 @@ class Distribution:
 
     def within_s(self, share: float) -> float:
         """Return the time that this share (0 to 1) of all does not exceed; of more than FEW up to 2.4 % too much."""
+        self._sort()
         if self._few:
             return quantile(sorted(self._few), share)
         wanted = share * self.count

@@ -60,13 +60,16 @@ class Format(NamedTuple):
 
     write: Callable[[Report, str, str], bytes]  # report, title, note
     is_file: bool = True  # without -o: a file in this folder, else standard output
+    has_windows: bool = True
 
 
 FORMATS = {
     "html": Format(lambda report, title, note: page(report, title, note).encode()),
     "svg": Format(lambda report, title, note: stacked(report.name, drawings(report)).encode()),
     "json": Format(lambda report, title, note: plain.as_json(report).encode(), is_file=False),
-    "text": Format(lambda report, title, note: plain.as_text(report, title, note).encode(), is_file=False),
+    "text": Format(
+        lambda report, title, note: plain.as_text(report, title, note).encode(), is_file=False, has_windows=False
+    ),
 }
 _ENDINGS = {"htm": "html", "txt": "text"} | {name: name for name in FORMATS}
 
@@ -183,7 +186,7 @@ def _format(args: argparse.Namespace) -> str:
     return _ENDINGS[ending]
 
 
-def _gather(args: argparse.Namespace, console: Console) -> Report:
+def _gather(args: argparse.Namespace, console: Console, *, has_windows: bool) -> Report:
     progress = console.progress if console.shows_progress else _silent
     limits_ms = {name: value for name, value in (("tza", args.tza), ("trs", args.trs)) if value}
     captures, since_s = in_order(args.captures), -math.inf
@@ -191,7 +194,9 @@ def _gather(args: argparse.Namespace, console: Console) -> Report:
         captures, since_s = since.recent(captures, args.since)
     thresholds = functools.reduce(changed, args.rules, THRESHOLDS)
     with Tshark() as tshark, together(captures, console.say) as joined:
-        report = gather(tshark, joined.path, args.window, progress, limits_ms, since_s, thresholds)
+        report = gather(
+            tshark, joined.path, args.window, progress, limits_ms, since_s, thresholds, has_windows=has_windows
+        )
     if len(captures) > 1:
         report.name = visible(f"{len(captures)} files, {captures[0].name} to {captures[-1].name}")
         report.files = len(captures)
@@ -210,6 +215,7 @@ def _write(args: argparse.Namespace, name: str, console: Console) -> None:
     """Open the file before the work, which may take minutes."""
     path = args.output or (f"report.{name}" if FORMATS[name].is_file else STANDARD_OUTPUT)
     with opened(path, args.captures, force=args.force) as file:
-        file.write(FORMATS[name].write(_gather(args, console), args.title, args.note))
+        report = _gather(args, console, has_windows=FORMATS[name].has_windows)
+        file.write(FORMATS[name].write(report, args.title, args.note))
     if path != STANDARD_OUTPUT:
         console.say(f"{path} written")

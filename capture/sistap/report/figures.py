@@ -8,9 +8,8 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
 from sistap.accesses.listing import Listing, Place
-from sistap.packets.dissection import Judged, Packet, Telegram
+from sistap.packets.dissection import LOST, Judged, Packet, Telegram
 from sistap.packets.distribution import Distribution, Slices
-from sistap.packets.faults import LOST, faults
 from sistap.report.curves import Curves
 from sistap.report.pauses import Pauses
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
@@ -145,7 +144,7 @@ class Figures:
         for access in packet.accesses:
             self.parameters.add(Place("", packet.number, packet.epoch_s), access)
             self.curves.add(packet.time_s, access)
-        for fault in faults(packet):
+        for fault in packet.faults:
             self.faults[fault.name] += 1
             self.slices.counts[fault.name][at] += 1
 
@@ -164,13 +163,13 @@ class Figures:
 
     def _add_telegram(self, telegram: Telegram, at: int) -> None:
         self.telegrams += 1
-        judged = {"tza": telegram.pause, "trs": telegram.reaction, "tmas": telegram.cycle}
-        for name, found in judged.items():
+        for name, found in (("tza", telegram.pause), ("trs", telegram.reaction), ("tmas", telegram.cycle)):
             if found:
                 self.limits[name].add(found)
         if telegram.reaction and telegram.service is not None:
             service = self.services[telegram.service]
-            service.times.add(telegram.reaction.measured_s)
+            if telegram.reaction.time_s:
+                service.times.put(telegram.reaction.time_s)
             service.trs.add(telegram.reaction)
         if telegram.good:
             self.good += 1
@@ -190,7 +189,8 @@ class Figures:
             station.commands += 1
             station.repeats += telegram.is_repeat
         if telegram.reaction:
-            station.times.add(telegram.reaction.measured_s)
+            if telegram.reaction.time_s:
+                station.times.put(telegram.reaction.time_s)
             station.trs.add(telegram.reaction)
         if telegram.pause:
             station.tza.add(telegram.pause)

@@ -52,15 +52,18 @@ def gather(  # noqa: PLR0913 - each comes from another part
     limits_ms: Mapping[str, int] = MappingProxyType({}),
     since_s: float = -math.inf,
     thresholds: Thresholds = THRESHOLDS,
+    *,
+    has_windows: bool = True,
 ) -> Report:
     """Read a capture; `asked` are the windows that a person wants to see, `limits_ms` those to judge by. What came
-    before `since_s` only tells what is usual.
+    before `since_s` only tells what is usual. Without windows, nothing is kept for them.
 
     NotACapture, TsharkError, Incomplete.
     """
     figures, engine = Figures(), Engine(thresholds=thresholds)
     preferences = {f"sis.{name}_ms": value for name, value in limits_ms.items()}
-    with Dissection(tshark, capture, preferences=preferences, since_s=since_s) as dissection, uncollected():
+    dissecting = Dissection(tshark, capture, preferences=preferences, keeps=has_windows, since_s=since_s)
+    with dissecting as dissection, uncollected():
         progress(f"reading {capture}")
         for packet in dissection.packets():
             engine.add(packet)
@@ -70,8 +73,9 @@ def gather(  # noqa: PLR0913 - each comes from another part
             if figures.packets % _PROGRESS_EVERY == 0:
                 progress(f"{figures.packets} packets read, {packet.time_s:.0f} s of the capture")
         episodes = [episode for episode in engine.finish() if episode.to_s >= since_s]
-        shown = [*asked, *windows.around(episodes, figures.first_epoch_s or 0.0, asked)]
-        progress(f"{figures.packets} packets read; reading the worst of them once more")
-        windows.fill(dissection, shown)
+        shown = [*asked, *windows.around(episodes, figures.first_epoch_s or 0.0, asked)] if has_windows else []
+        if shown:
+            progress(f"{figures.packets} packets read; reading the worst of them once more")
+            windows.fill(dissection, shown)
     said = dissection.missing, dissection.warning, limits_ms
     return Report(visible(capture.name), figures, episodes, shown, *said)

@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import NamedTuple
 
-from sistap.packets.dissection import UNRESOLVED, Packet, Telegram
+from sistap.packets.dissection import LOST, UNRESOLVED, Packet, Telegram
 from sistap.packets.distribution import Distribution
-from sistap.packets.faults import LOST
 
 MOST_PLACES = 24  # characters of a telegram that have a place of their own
 _THREE = 3.0  # of n without a single one: with 95 % confidence less than 3 of n in the long run
@@ -47,7 +47,8 @@ class Pause:
         if pause is None:
             return
         self.telegrams += 1
-        self.times.add(pause.measured_s)
+        if pause.time_s:
+            self.times.put(pause.time_s)
         if pause.time_s > self.longest_s:
             self.longest_s, self.position = pause.time_s, telegram.pause_position
         if packet.uncertainty_s is None:
@@ -96,8 +97,8 @@ class Pauses:
 
     def _sort(self) -> None:
         *places, last = self._places
-        for number, place in enumerate(places):
-            place.add([intervals_s[number] for intervals_s in self._waiting if number < len(intervals_s)])
+        for place, intervals_s in zip(places, zip_longest(*self._waiting), strict=False):
+            place.add([interval_s for interval_s in intervals_s if interval_s is not None])
         last.add([interval_s for intervals_s in self._waiting for interval_s in intervals_s[len(places) :]])
         self._waiting.clear()
 

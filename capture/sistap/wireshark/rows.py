@@ -25,6 +25,8 @@ FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
 JOINT = "\x1f"  # between several values of a field; no text contains it
 
 _ODD = re.compile(f"[^ -~\t{JOINT}]")  # may have to be escaped; rare
+_USUAL = bytes(byte for byte in range(128) if not _ODD.match(chr(byte)))
+_NAMED = {"Bad": "0", "Good": "1", "Unverified": "2", "Not present": "3"}  # checksum.status of later versions
 _CUT = ("cut short", "damaged")
 _NOT_A_CAPTURE = "isn't a capture file"
 
@@ -39,9 +41,14 @@ def printing(names: Iterable[str], joint: str = JOINT) -> list[str]:
 
 
 def columns(names: Sequence[str], line: str) -> dict[str, str]:
-    """Split what tshark prints for one packet, and make its text safe: it may come from elsewhere."""
-    line = _ODD.sub(lambda found: visible(found[0]), line)
-    return dict(zip(names, line.split("\t"), strict=False))
+    """Split what tshark prints for one packet, and make its text safe."""
+    return dict(zip(names, safe(line).split("\t"), strict=False))
+
+
+def safe(line: str) -> str:
+    """Make a text of tshark safe: it may come from elsewhere."""
+    is_odd = line.encode(errors="surrogatepass").translate(None, _USUAL)  # takes a third of the time of a search
+    return _ODD.sub(lambda found: visible(found[0]), line) if is_odd else line
 
 
 def tested(tests: Iterable[str]) -> list[str]:
@@ -63,7 +70,8 @@ def passes(tests: Iterable[str], columns: Mapping[str, str]) -> bool:
 def _compares(wanted: str, text: str) -> bool:
     operator, number = wanted.split()
     compare = {"==": eq, ">": gt}[operator]
-    return any(compare(int(value, 0), int(number, 0)) for value in text.split(JOINT) if value)
+    values = (_NAMED.get(value, value) for value in text.split(JOINT) if value)
+    return any(compare(int(value, 0), int(number, 0)) for value in values)
 
 
 def first(text: str) -> str:
