@@ -11,7 +11,7 @@ import pytest
 
 from sistap.episodes.episode import Episode, Hit
 from sistap.episodes.lines import lines
-from sistap.episodes.rules import Severity
+from sistap.episodes.rules import RULES, Severity
 
 EVENING = datetime(2026, 11, 21, 22)  # noqa: DTZ001 - local time, as it is shown
 
@@ -29,6 +29,11 @@ def episode(kind: str, begin: str, end: str = "", station: int | None = None, **
 def told(*episodes: Episode, begin: str = "22:00:00", end: str = "06:00:00") -> Sequence[str]:
     found = sorted(episodes, key=lambda one: one.from_s)
     return [line.text for line in lines(found, at(begin), at(end))]
+
+
+@pytest.mark.parametrize("kind", RULES)
+def test_each_kind_has_its_words(kind: str) -> None:
+    assert len(told(episode(kind, "23:10:00", station=4, detail="1 -> 2", worst=1.0))) >= 1
 
 
 def test_a_night_in_five_lines() -> None:

@@ -70,7 +70,7 @@ class LineSettings(NamedTuple):
 
 
 class Happening(enum.IntEnum):
-    """The subject of a notice; its number on the wire (bus_socket)."""
+    """The subject of a notice; its number on the wire (sistap.wire.protocol)."""
 
     MARKER = 0
     LOST = 1  # characters are missing

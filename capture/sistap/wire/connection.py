@@ -97,7 +97,7 @@ def _connected(port: str) -> socket.socket:
 
 
 class WireReader:
-    """Reads the socket of a virtual bus (sistap.line.bus_socket). Its reads have their own times, errors and line."""
+    """Reads the socket of a virtual bus (sistap.wire.protocol). Its reads have their own times, errors and line."""
 
     def __init__(self, port: str, settings: LineSettings, line: int = 0, connection: Connection | None = None) -> None:
         """Connect, if necessary, and send the line settings. May raise PortError."""

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The bus at a socket: taps connect, send their line settings and get reads with times and errors
-(sistap.line.bus_socket).
+(sistap.wire.protocol).
 
 A tap that stops reading delays the bus once the buffers are full, and so loses nothing. After PATIENCE_S it is
 disconnected.

@@ -10,8 +10,9 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import NamedTuple
 
 from sistap.line.drivers import Driver, Place
@@ -90,7 +91,7 @@ class Errors:
         """`count` reads the counters of the driver."""
         self._count = count
         self._counted = count()
-        self._finder = _finder(driver)
+        self._finder = _FINDERS[driver.place](driver)
         self._begins = driver.begins_late
         self._held: deque[_Held] = deque()
         self._silence_ns = 0  # so long nothing came while the process slept
@@ -358,7 +359,12 @@ class _ByRead(_Finder):
         self._reads = 0
 
 
-def _finder(driver: Driver) -> _Finder:
-    if driver.place == Place.PACKET:
-        return _ByPacket(driver)
-    return _ByRead(driver) if driver.place == Place.READ else _ByCharacter(driver)
+_FINDERS: Mapping[Place, Callable[[Driver], _Finder]] = MappingProxyType(
+    {
+        Place.CHARACTER: _ByCharacter,
+        Place.PACKET: _ByPacket,
+        Place.READ: _ByRead,
+        Place.NOWHERE: _ByCharacter,  # a driver that marks nothing, or, against what is known, a character
+        Place.UNKNOWN: _ByCharacter,
+    }
+)
