@@ -7715,7 +7715,7 @@ do
 
   local function note(number)
     if noted.number ~= number then
-      noted = {number = number, telegrams = {}, accesses = {}, place = S.line_key(S.place())}
+      noted = {number = number, telegrams = {}, accesses = {}, interface = select(2, S.place())}
     end
     return noted
   end
@@ -7961,7 +7961,7 @@ do
     add_to(all, "characters", record.count)
     add_to(all, "line", line_errors(record, 0, record.timed))
     add_to(all, "busy", record.character_ns * record.count)
-    all.lines[of_packet.place] = true
+    all.lines[of_packet.interface] = true
     -- Times that went back do not count.
     all.span = all.span + (all.last and max(T.elapsed(all.last, packet.time), 0) or record.character_ns)
     all.last, all.duration = packet.time, record.duration
@@ -8140,6 +8140,7 @@ do
     local row, what = find_parameter(rows, access), access.error and "errors" or access.is_write and "writes" or "reads"
 
     add_to(rows.sum, what, 1)
+    if access.value and access.is_raw then add_to(rows.sum, "raw", 1) end
     if not row then
       rows.sum.name = "more parameters than rows"
       return

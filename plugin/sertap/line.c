@@ -28,7 +28,6 @@ typedef struct {
 
 typedef struct sertap_line {
     uint64_t key;
-    unsigned number; /* from 1 */
     sertap_disturbance_t disturbance;
     sertap_limits_t limits;
     window_t window;
@@ -66,17 +65,8 @@ static line_t *
 find_line(const packet_info *pinfo)
 {
     uint64_t key = sertap_line_key(pinfo);
-    line_t *line = kept_value(lines, &key, sizeof key, sizeof *line);
 
-    if (line->number == 0)
-        line->number = wmem_map_size(lines);
-    return line;
-}
-
-unsigned
-sertap_line_number(const packet_info *pinfo)
-{
-    return find_line(pinfo)->number - 1;
+    return kept_value(lines, &key, sizeof key, sizeof(line_t));
 }
 
 sertap_disturbance_t

@@ -35,9 +35,6 @@ uint64_t sertap_bus_key(packet_info *pinfo);
 /* What is kept of that in such a map: `size` bytes that begin with its number. */
 void *sertap_kept_of_bus(wmem_map_t *buses, packet_info *pinfo, size_t size);
 
-/* The lines of the capture in the order of their first packets, from 0. Only for a packet with a record. */
-unsigned sertap_line_number(const packet_info *pinfo);
-
 /* First pass: takes a record into account. */
 void sertap_line_note(packet_info *pinfo, sertap_record_t *record);
 

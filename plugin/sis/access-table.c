@@ -112,8 +112,7 @@ count_value(const stat_tap_table *table, unsigned number, const sis_access_t *ac
     if (stat_tap_get_field_data(table, number, FIRST)->value.string_value[0] == '\0')
         sis_table_set_text(table, number, FIRST, access->value);
     sis_table_set_text(table, number, LAST, access->value);
-    if (access->is_raw)
-        sis_table_count(table, number, RAW, 1);
+    sis_table_count(table, number, RAW, access->is_raw);
     if (!access->is_number)
         return;
     if (!row->has_number || access->number < row->least) {
@@ -134,6 +133,7 @@ count_access(stat_tap_table *table, packet_info *pinfo, const sis_access_t *acce
     unsigned column = access->is_refused ? ERRORS : access->is_write ? WRITES : READS;
 
     sis_table_count(table, 0, column, 1);
+    sis_table_count(table, 0, RAW, access->value != NULL && access->is_raw);
     if (row == 0) {
         sis_table_set_text(table, 0, NAME, "more parameters than rows");
         return;

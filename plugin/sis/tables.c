@@ -406,7 +406,7 @@ count_record(const stat_tap_table *table, packet_info *pinfo, const sertap_recor
     sis_table_count(table, 0, BUS_CHARACTERS, record->count);
     sis_table_count(table, 0, BUS_LINE, line_errors(record, 0, record->timed));
     all->busy += (uint64_t)sertap_character_ns(record) * record->count;
-    g_hash_table_add(all->lines.hash, GUINT_TO_POINTER(sertap_line_number(pinfo)));
+    g_hash_table_add(all->lines.hash, GUINT_TO_POINTER(compat_interface(pinfo)));
     all->span += all->last == 0 ? sertap_character_ns(record) : MAX(sertap_elapsed(all->last, now), 0);
     all->last = now;
     all->duration = record->duration;
@@ -488,7 +488,8 @@ permille(uint64_t busy, double span)
     return (int64_t)MIN(round(1000.0 * busy / span), MOST_PERMILLE);
 }
 
-/* For several lines, such as two directions, the mean. */
+/* For several lines, such as two directions, the mean. The files of a ring, read as one, have the same
+ * lines. */
 static void
 set_loads(const stat_tap_table *table)
 {
