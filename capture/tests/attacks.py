@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Try the attacks that the tests know, and print the table of SECURITY.md: what was tried, and what came of it.
 
-After `./bootstrap test`: build/venv/bin/python3 capture/tests/attacks.py. Arguments are those of pytest; some attacks
-take root. A test is an attack by its mark, such as
+After `./bootstrap test`: build/venv/bin/python3 capture/tests/attacks.py. With `--write` first, SECURITY.md gets the
+table, if all were tried and none failed. Other arguments are those of pytest; some attacks take root. A test is an
+attack by its mark, such as
 @pytest.mark.attack("a toolbar says what no Wireshark says", "passed over, the capture goes on").
 """
 
@@ -20,7 +21,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = [ROOT / "capture/tests", ROOT / "lua-fallback", ROOT / "test-captures"]
+SECURITY = ROOT / "SECURITY.md"
 MARK = "attack"
+WRITE = "--write"
+HEADS = ("| attack | tried | result |", "|---|---|---|")
 
 
 def known() -> Iterator[tuple[str, str]]:
@@ -51,10 +55,16 @@ class Table:
         if report.when == "call" or report.outcome != "passed":
             self._outcomes.setdefault(self._attacks[report.nodeid], Counter())[report.outcome] += 1
 
+    @property
+    def is_whole(self) -> bool:
+        """Tell whether all were tried, and none failed."""
+        return set(self._outcomes) == set(known()) and all(
+            counts["passed"] == counts.total() for counts in self._outcomes.values()
+        )
+
     def lines(self) -> Iterator[str]:
         """Yield the table."""
-        yield "| attack | tried | result |"
-        yield "|---|---|---|"
+        yield from HEADS
         for (tried, result), counts in self._outcomes.items():
             came = (
                 f"**{counts['failed']} FAILED**"
@@ -66,15 +76,24 @@ class Table:
             yield f"| {tried} | {counts.total() - counts['skipped']} | {came} |"
 
 
-def main() -> int:
+def written(document: str, table: list[str]) -> str:
+    """Return the document with this table in place of its own."""
+    before, _, rest = document.partition(HEADS[0])
+    return before + "\n".join(table) + "\n\n" + rest.partition("\n\n")[2]
+
+
+def main(arguments: list[str]) -> int:
     """Try them all; return pytest's exit code."""
+    is_for_document = arguments[:1] == [WRITE]
     table = Table()
     os.environ.setdefault("WIRESHARK_PLUGIN_DIR", str(ROOT / "build/wireshark"))
     options = ["-q", "-c", str(ROOT / "capture/pyproject.toml"), "--rootdir", str(ROOT), "-m", MARK]
-    code = pytest.main([*options, *sys.argv[1:], *map(str, FOLDERS)], plugins=[table])
+    code = pytest.main([*options, *arguments[is_for_document:], *map(str, FOLDERS)], plugins=[table])
     print(*table.lines(), sep="\n")
+    if is_for_document and table.is_whole:
+        SECURITY.write_text(written(SECURITY.read_text("utf-8"), list(table.lines())), "utf-8")
     return int(code)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

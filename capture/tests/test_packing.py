@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
 from pathlib import Path
 from typing import Any
 
 import planted
 import pytest
+from portable import fifos, modes
 
 from sistap import cli
 from sistap.captures.joining import check_captures
@@ -58,6 +60,26 @@ def test_the_newest_file_of_a_ring_is_left_alone(folder: Path) -> None:
     assert names(folder) == ["ring_00002_20260314230000.pcapng"]
 
 
+@fifos
+@pytest.mark.attack("a pipe or a link among the files that a recorder compresses", "left alone; never waited for")
+def test_what_is_no_file_is_not_compressed(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+    secret = tmp_path_factory.mktemp("root") / "secret"
+    secret.write_bytes(b"secret")
+    os.mkfifo(folder / "ring_00001_20200101000000.pcapng")
+    (folder / "ring_00001_20200101000001.pcapng").symlink_to(secret)
+    assert [path.name for path in ring(folder).complete()] == ["ring_00001_20260314220000.pcapng"]
+
+
+@modes
+@pytest.mark.skipif(getattr(os, "geteuid", lambda: 1)() != 0, reason="only root gives files away")
+@pytest.mark.attack("a file made from a private capture", "whoever may not read the capture may not read it")
+def test_a_compressed_file_is_for_no_other_group(folder: Path) -> None:
+    path = folder / "ring_00001_20260314220000.pcapng"
+    os.chown(path, 0, 12345)
+    path.chmod(0o640)
+    assert pack(path).stat().st_mode & 0o777 == 0o600
+
+
 def told(capsys: pytest.CaptureFixture[str], *captures: Path) -> Any:
     capsys.readouterr()
     assert cli.main(["report", "--format", "json", *map(str, captures)]) == 0
@@ -88,6 +110,26 @@ def test_a_compressed_file_that_is_cut_off_ends_before(folder: Path) -> None:
     packed.write_bytes(packed.read_bytes()[: packed.stat().st_size // 2])
     cut = list(packets(packed))
     assert 0 < len(cut) < len(whole) and cut == whole[: len(cut)]
+
+
+# A byte of a file and of its compression: a check sum at the end, the head, and the first block inside.
+DAMAGE = {"sum": -6, "method": 2, "content": 60}
+
+
+@pytest.mark.attack("a compressed capture is damaged", "a message names it; what comes before the damage is read")
+@pytest.mark.parametrize("place", DAMAGE.values(), ids=DAMAGE)
+def test_a_compressed_file_that_is_damaged(folder: Path, place: int, capfd: pytest.CaptureFixture[str]) -> None:
+    packed = pack(folder / "ring_00001_20260314220000.pcapng")
+    content = bytearray(packed.read_bytes())
+    content[place] ^= 0xFF
+    packed.write_bytes(content)
+    for command in ("report --format text", "log"):
+        code = cli.main([*command.split(), str(packed)])
+        said = capfd.readouterr().err
+        assert code in (0, 1, 2) and said.count("\n") == 1 and str(packed) in said
+    code = cli.main(["report", "--format", "text", str(folder)])
+    said = capfd.readouterr().err
+    assert code in (0, 2) and said.count("\n") == 1 and str(packed) in said
 
 
 def test_a_file_that_cannot_be_compressed_stays(folder: Path) -> None:

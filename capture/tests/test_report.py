@@ -526,7 +526,9 @@ def test_several_telegrams_in_a_packet_are_told_apart_where_that_is_possible() -
     assert list(figures.stations) == [16]
 
 
-@pytest.mark.parametrize("text", ["", "5", "5+", "+1", "5+0", "5+-1", "-1+2", "nan+1", "1+inf", "a+b"])
+@pytest.mark.parametrize(
+    "text", ["", "5", "5+", "+1", "5+0", "5+-1", "-1+2", "nan+1", "1+inf", "1e308+1e308", "0+1e308", "a+b"]
+)
 def test_what_is_no_window(text: str) -> None:
     with pytest.raises(ValueError, match="12.5\\+0.2"):
         parse(text)

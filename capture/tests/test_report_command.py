@@ -77,6 +77,14 @@ def test_a_title_and_a_note_stand_above(tmp_path: Path, capture: Path) -> None:
     assert text.startswith("Press <4>\n\nStops at night\nsince May\n\nNOT OK, ")
 
 
+@pytest.mark.parametrize("kind", ["html", "text"])
+def test_a_title_as_a_shell_passes_it_on(tmp_path: Path, capture: Path, kind: str) -> None:
+    name = os.fsdecode(b"M\xfcller\x1b[31m")
+    done = report(tmp_path, capture, "--title", name, "--note", name, "--format", kind, "-o", "-")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count(r"M\xfcller\x1b[31m") >= 2
+
+
 def test_a_capture_that_is_cut_is_reported_up_to_there(tmp_path: Path, capture: Path) -> None:
     cut = tmp_path / "cut.pcapng"
     cut.write_bytes(capture.read_bytes()[:-40])

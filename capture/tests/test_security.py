@@ -10,7 +10,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from attacks import ROOT, known
+from attacks import HEADS, ROOT, SECURITY, known, written
 
 LOCK = (ROOT / "capture/develop.lock").read_text()
 PROJECT = tomllib.loads((ROOT / "capture/pyproject.toml").read_text())["project"]
@@ -20,6 +20,15 @@ def test_the_table_of_attacks_is_that_of_the_tests() -> None:
     rows = re.findall(r"^\| (.+) \| (\d+) \| (.+) \|$", (ROOT / "SECURITY.md").read_text("utf-8"), re.MULTILINE)
     assert {(tried, result) for tried, _, result in rows} == set(known())
     assert all(int(count) for _, count, _ in rows)
+
+
+def test_the_script_writes_the_table_and_nothing_else() -> None:
+    document = SECURITY.read_text("utf-8")
+    row = "| an attack | 1 | refused |"
+    changed = written(document, [*HEADS, row])
+    assert changed.count("\n| an attack | 1 | refused |\n\n") == 1 and "a log with an endless line" not in changed
+    table = document[document.index(HEADS[0]) :].partition("\n\n")[0].splitlines()
+    assert written(changed, table) == document
 
 
 @pytest.mark.thorough

@@ -6,12 +6,15 @@ from __future__ import annotations
 import http.client
 import os
 import signal
+import socket
+import struct
 import subprocess
 import sys
+import threading
 import tty
 import webbrowser
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -20,12 +23,13 @@ from portable import terminals
 
 from sistap import cli
 from sistap.web import command
-from sistap.web.command import with_tap
+from sistap.web.command import Server, with_tap
 from sistap.web.listen import Listening
 
 PAGE = '<!DOCTYPE html><html lang="en"><meta content="default-src \'none\'; connect-src blob:; img-src data:">'
 TELEGRAM = bytes.fromhex("02 D9 00 00 00 12 10 03")
 TIMEOUT_S = 60
+RESET = struct.pack("ii", 1, 0)  # SO_LINGER: a connection that is closed at once
 
 
 @pytest.fixture
@@ -106,6 +110,49 @@ def test_who_does_not_know_the_word_gets_nothing(served: tuple[str, int]) -> Non
         assert asked(address, path).status == 404
     for path in (url.path, f"{url.path}tap"):
         assert asked(address, path, Host=f"evil.example:{url.port}").status == 404
+
+
+def connected(server: Server) -> socket.socket:
+    host, port = urlsplit(server.address).netloc.split(":")
+    return socket.create_connection((host, int(port)))
+
+
+HALVES = {"asks nothing": b"", "asks half": b"GET", "asks for nothing here": b"GET /x HTTP/1.1\r\n\r\n"}
+
+
+@pytest.mark.attack("a program hangs up on `sistap web`, or connects and never asks", "no word of it; at most 32 wait")
+@pytest.mark.parametrize("words", [*HALVES.values(), None], ids=[*HALVES, "takes a part of the page"])
+def test_who_hangs_up(words: bytes | None, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    ended = threading.Semaphore(0)
+    with Server(b"x" * (1 << 24), pytest.fail) as server:
+
+        def close(request: socket.socket) -> None:
+            request.close()
+            ended.release()
+
+        monkeypatch.setattr(server._server, "close_request", close)
+        url = urlsplit(server.address)
+        for _ in range(4):
+            with connected(server) as connection:
+                if words is None:
+                    connection.sendall(f"GET {url.path} HTTP/1.1\r\nHost: {url.netloc}\r\n\r\n".encode())
+                    connection.recv(1)
+                else:
+                    connection.sendall(words)
+                connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
+            assert ended.acquire(timeout=TIMEOUT_S)
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.attack("a program hangs up on `sistap web`, or connects and never asks", "no word of it; at most 32 wait")
+def test_who_never_asks() -> None:
+    assert command._Handler.timeout <= TIMEOUT_S
+    with Server(b"", pytest.fail) as server, ExitStack() as stack:
+        for _ in range(40):
+            waiting = stack.enter_context(connected(server))
+            waiting.settimeout(TIMEOUT_S)
+        assert waiting.recv(1) == b""
+        assert threading.active_count() <= 32
 
 
 @terminals

@@ -19,8 +19,6 @@ from sistap.terminal.exits import UsageError
 
 _PACKED_TIMES = 12  # as large is a capture that was compressed
 _OTHER_PACKETS = (2, 3)  # kinds of blocks that name no interface, or are obsolete
-_HEAD = struct.pack("<I", pcapng.SECTION_HEADER)
-_LITTLE_ENDIAN = struct.pack("<I", 0x1A2B3C4D)
 
 
 def check_captures(named: Iterable[Path], output: str | None = None) -> list[Path]:
@@ -167,8 +165,11 @@ class _Joining:
 
 def _is_joinable(capture: Path) -> bool:
     with reading.opened(capture) as file:
-        head = file.read(12)
-    return head[:4] == _HEAD and head[8:] == _LITTLE_ENDIAN
+        try:
+            first = next(reading.blocks(file, capture), None)
+        except NotCaptured:
+            return False
+    return first is not None and first.order == "<"
 
 
 def _is_kept(capture: Path) -> bool:

@@ -106,8 +106,10 @@ def blocks(file: BinaryIO, path: Path) -> Iterator[Block]:
     """Yield each whole block of the file named `path`. Raise OSError or NotCaptured."""
     try:
         yield from _blocks(file, path)
-    except (EOFError, zlib.error):  # a compressed one that is cut off
+    except EOFError:  # a compressed one that is cut off
         return
+    except (zlib.error, gzip.BadGzipFile) as error:
+        raise NotCaptured(f"{path} is damaged: {error}; {_CURE}") from None
 
 
 def _blocks(file: BinaryIO, path: Path) -> Iterator[Block]:

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import gzip
 import os
-import shutil
 import time
 from pathlib import Path
+
+from sistap.terminal.writing import mode_like
 
 SUFFIX = ".gz"
 _PIECE = 1 << 16
@@ -25,8 +26,8 @@ def pack(path: Path) -> Path:
     part = path.with_name(f".{packed.name}")
     part.unlink(missing_ok=True)  # of a recorder that was killed
     try:
-        with path.open("rb") as source, part.open("xb") as file:
-            shutil.copymode(path, part)
+        mode = mode_like([path])  # from the first moment on: who has opened it goes on reading it
+        with path.open("rb") as source, open(part, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:
             with gzip.GzipFile(path.name, "wb", 6, file) as target:
                 while piece := source.read(_PIECE):
                     target.write(piece)

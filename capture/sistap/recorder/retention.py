@@ -50,8 +50,9 @@ class Retention:
                     self._say(f"{path} cannot be deleted: {error.strerror}; it stays, delete it yourself")
 
     def complete(self) -> list[Path]:
-        """Return the files that are not compressed, except the newest: that may be written."""
-        return [self.folder / match[0] for match in self._found()[:-1] if not match[0].endswith(SUFFIX)]
+        """Return the files that are not compressed, except the newest: that may be written. No links, no pipes."""
+        paths = [self.folder / match[0] for match in self._found()[:-1] if not match[0].endswith(SUFFIX)]
+        return [path for path in paths if path.is_file() and not path.is_symlink()]
 
     def _found(self) -> Matches:
         found = filter(None, (self._name.fullmatch(path.name) for path in self.folder.iterdir()))

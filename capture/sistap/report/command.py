@@ -88,6 +88,11 @@ def _since(text: str) -> Since:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
+def _heading(text: str) -> str:
+    """Return a text that a page can show, whatever the shell has passed on."""
+    return visible(text, keep="\n")
+
+
 def _rule(text: str) -> str:
     changed(THRESHOLDS, text)
     return text
@@ -144,10 +149,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "wrong NAME lists all",
     )
     parser.add_argument(
-        "--title", default="", metavar="TEXT", help="the heading of the page, in place of the file name"
+        "--title",
+        default="",
+        metavar="TEXT",
+        type=_heading,
+        help="the heading of the page, in place of the file name",
     )
     parser.add_argument(
-        "--note", default="", metavar="TEXT", help="a note below the heading: machine, place, what was tried"
+        "--note",
+        default="",
+        metavar="TEXT",
+        type=_heading,
+        help="a note below the heading: machine, place, what was tried",
     )
     parser.add_argument(
         "--window",

@@ -18,6 +18,7 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from sistap.line.clock import CLOCK
 from sistap.line.reader import PortError
@@ -31,6 +32,7 @@ from sistap.wire import protocol
 
 LOOPBACK = "127.0.0.1"
 TAP = "tap"  # beside the page
+_THREADS = 32  # of the process: each connection has one
 _BEGINNING, _ASKING = '<html lang="en"', "connect-src blob:"  # of the page: what is said of the tap, and its policy
 _HEADERS = {
     "Cache-Control": "no-store",
@@ -48,6 +50,21 @@ def with_tap(page: str, name: str) -> str:
     return page.replace(_BEGINNING, f'{_BEGINNING} data-tap="{escape(name)}"').replace(_ASKING, f"{_ASKING} 'self'")
 
 
+class _HttpServer(ThreadingHTTPServer):
+    """Holds out against other programs of this computer, which can all connect."""
+
+    daemon_threads = True
+
+    def verify_request(self, *_: object) -> bool:
+        """Tell whether there is a thread for one more."""
+        return threading.active_count() < _THREADS
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing of who has gone before the end."""
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handle_error(request, client_address)
+
+
 class Server:
     """Serves the page at an address with a token, in threads of its own. Use it in a `with`."""
 
@@ -61,8 +78,7 @@ class Server:
                 f"/{token}/{TAP}": lambda self: self.pass_on(connect),
             }
 
-        self._server = ThreadingHTTPServer((LOOPBACK, 0), Handler)
-        self._server.daemon_threads = True
+        self._server = _HttpServer((LOOPBACK, 0), Handler)
         host = f"{LOOPBACK}:{self._server.server_port}"
         Handler.host = host
         self.address = f"http://{host}/{token}/"
@@ -85,6 +101,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     answers: dict[str, Callable[[_Handler], None]]
     host = ""
+    timeout = 60  # seconds for a browser to ask, or to take something
 
     def do_GET(self) -> None:
         """Answer; everything unknown is not there."""
