@@ -44,6 +44,7 @@ LINKTYPE_ARCNET_LINUX = 129
 LINK_TYPES = {
     "sertap": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
     "sis": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
+    "sisascii": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
     "arcnet7f": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
     "synaxpk": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
     "arcnet": LINKTYPE_ARCNET_LINUX,
@@ -413,6 +414,7 @@ def udp_datagram(port: int, from_client: bool, payload: bytes) -> bytes:
 LINK_HEADERS: dict[str, Callable[[bytes, int], bytes]] = {
     "sertap": lambda payload, _: pcapng.upper_pdu("sertap", payload),
     "sis": lambda payload, _: pcapng.upper_pdu("sis", payload),
+    "sisascii": lambda payload, _: pcapng.upper_pdu("sisascii", payload),
     "arcnet7f": lambda payload, _: pcapng.upper_pdu("arcnet7f", payload),
     "synaxpk": lambda payload, _: pcapng.upper_pdu("synaxpk", payload),
     "arcnet": lambda payload, _: payload,
