@@ -12,7 +12,21 @@ from typing import Any, cast
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from report_capture import ACCEPT, ANSWER, BUS, DAMAGED, LINE, READ, SET_TRS, STARTED, Sent, write
+from report_capture import (
+    ACCEPT,
+    ANSWER,
+    ANSWER_4,
+    BUS,
+    DAMAGED,
+    LINE,
+    READ,
+    READ_4,
+    SET_TRS,
+    SET_TZA,
+    STARTED,
+    Sent,
+    write,
+)
 from sharkd import Sharkd
 
 from sistap.common.writing import Incomplete
@@ -532,3 +546,41 @@ def test_several_telegrams_in_a_packet_are_told_apart_where_that_is_possible() -
 def test_what_is_no_window(text: str) -> None:
     with pytest.raises(ValueError, match="12.5\\+0.2"):
         parse(text)
+
+
+def test_what_no_limit_judges_is_not_said_to_be_good(tshark: Tshark, tmp_path: Path) -> None:
+    """Nothing sets TrS or TzA. To find no fault is no verdict; nor is a 0 in a table of those that exceed it."""
+    report = made(tshark, write(tmp_path / "unknown.pcapng", [Sent(READ), Sent(ANSWER)]))
+    first, *_, limits = tables.answer(report)
+    assert first.startswith("No fault found, ")
+    assert limits == "Limits: not judged: reaction times (no TrS), intervals in telegrams (no TzA)."
+    assert json.loads(plain.as_json(report))["not_judged"] == [
+        "reaction times (no TrS)",
+        "intervals in telegrams (no TzA)",
+    ]
+    assert f'<p class="headline">{limits}</p>' in page.page(report)
+    assert "OK" not in plain.as_text(report)
+    assert {row[0]: row[2:5] for row in tables.verdicts(report).rows}[tables._LIMITS["trs"][0]] == ("not judged",) * 3
+    assert {row[0]: row[-2:] for row in tables.stations(report).rows} == {
+        "3": ("not judged", "not judged"),
+        "16": ("0", "not judged"),  # it reacts to nothing
+    }
+
+
+def test_one_station_without_a_limit_is_named(tshark: Tshark, tmp_path: Path) -> None:
+    """TrS is set for station 3 alone, TzA for all."""
+    sent = [Sent(SET_TZA), Sent(ACCEPT)]
+    for command, reaction in (("03 01 32 00", "00 03 01"), ("03 FF", "00 03 FF")):
+        sent.append(Sent(build(0x03, 16, 3, bytes.fromhex(command))))
+        sent.append(Sent(build(0x03, 16, 3, bytes.fromhex(reaction), reaction=True)))
+    sent += [Sent(READ), Sent(ANSWER), Sent(READ_4), Sent(ANSWER_4)]
+    report = made(tshark, write(tmp_path / "one.pcapng", sent))
+    assert tables.answer(report)[-1] == "Limits: not judged: reaction times of station 4 (no TrS)."
+    assert tables.stations(report).rows[1][-2:] == ("not judged", "0")
+
+
+def test_all_is_judged_where_limits_are_known(tshark: Tshark, tmp_path: Path) -> None:
+    sent = [Sent(SET_TZA), Sent(SET_TRS), Sent(ACCEPT), Sent(READ), Sent(ANSWER)]
+    report = made(tshark, write(tmp_path / "known.pcapng", sent))
+    first, *_, limits = tables.answer(report)
+    assert (first.startswith("OK, "), limits) == (True, "Limits: nothing.")

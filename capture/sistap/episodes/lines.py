@@ -71,35 +71,47 @@ class Line(NamedTuple):
     verdict: str  # of the first line
     phrases: Sequence[Phrase]
     left_out: int  # episodes
+    note: str = ""  # what nobody can tell
 
     @property
     def text(self) -> str:
         """Return it in words."""
-        more = f"; and {self.left_out} more" if self.left_out else ""
-        said = "; ".join(phrase.text for phrase in self.phrases) + more
+        said = "; ".join([*(phrase.text for phrase in self.phrases), *self.rest])
         if self.verdict:
             text = f"{self.verdict}. {said}" if said else self.verdict
         else:
             text = f"{self.subject}: {said or 'nothing'}"
         return text if text.endswith("?") else f"{text}."
 
+    @property
+    def rest(self) -> list[str]:
+        """Return what is said after the phrases."""
+        return [*([f"and {self.left_out} more"] if self.left_out else []), *([self.note] if self.note else [])]
 
-def verdict(episodes: Iterable[Episode]) -> str:
-    """Tell whether something has to be looked at."""
+
+def verdict(episodes: Iterable[Episode], *, is_judged: bool = True) -> str:
+    """Tell whether something has to be looked at. To find nothing is good only if all was judged."""
     worst = max((episode.severity for episode in episodes), default=Severity.INFO)
-    return NOT_OK if worst >= Severity.WARNING else "No fault is certain" if worst == Severity.NOTE else "OK"
+    if worst >= Severity.WARNING:
+        return NOT_OK
+    return "No fault is certain" if worst == Severity.NOTE else "OK" if is_judged else "No fault found"
 
 
-def lines(episodes: Sequence[Episode], begin_s: float, end_s: float) -> list[Line]:
-    """Return the five lines on a capture from one time to the other, in s since 1970."""
+def lines(episodes: Sequence[Episode], begin_s: float, end_s: float, unjudged: Sequence[str] = ()) -> list[Line]:
+    """Return the five lines on a capture from one time to the other, in s since 1970.
+
+    `unjudged` are times whose limit nobody knows.
+    """
     date, clock = clock_of(begin_s, end_s), clock_of(begin_s, end_s, most_s=_DAY_S)
-    first = f"{verdict(episodes)}, {date(begin_s)} to {date(end_s)}"
+    first = f"{verdict(episodes, is_judged=not unjudged)}, {date(begin_s)} to {date(end_s)}"
+    not_judged = f"not judged: {', '.join(unjudged)}" if unjudged else ""
     made = []
     for subject, name in zip(Subject, SUBJECTS, strict=True):
         found = [episode for episode in episodes if episode.rule.subject == subject]
         phrases = list(_phrases([one for one in found if not _is_explained(one, found)], clock))
         left_out = len(phrases) - _PHRASES
-        made.append(Line(name, "" if subject else first, phrases[:_PHRASES], max(left_out, 0)))
+        note = not_judged if subject == Subject.LIMITS else ""
+        made.append(Line(name, "" if subject else first, phrases[:_PHRASES], max(left_out, 0), note))
     return made
 
 

@@ -17,6 +17,7 @@ from sistap.episodes.rules import THRESHOLDS, Thresholds
 from sistap.packets.dissection import Dissection
 from sistap.report import windows
 from sistap.report.figures import Figures
+from sistap.report.unjudged import unjudged
 from sistap.report.windows import Window
 from sistap.terminal.console import visible
 from sistap.wireshark.tshark import Tshark
@@ -41,7 +42,7 @@ class Report:
     def answer(self) -> list[Line]:
         """Return the five lines that say what happened."""
         begin_s = self.figures.first_epoch_s or 0.0
-        return lines(self.episodes, begin_s, begin_s + self.figures.duration_s)
+        return lines(self.episodes, begin_s, begin_s + self.figures.duration_s, unjudged(self.figures))
 
 
 def gather(  # noqa: PLR0913 - each comes from another part

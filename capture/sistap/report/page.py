@@ -156,14 +156,15 @@ def _variables(colours: dict[str, str]) -> str:
 def _answer(report: Report) -> str:
     """Write the five lines; each phrase is a link to its episode, where the display filter is."""
     if not report.episodes:
-        return "".join(f'<p class="headline">{escape(line)}</p>' for line in tables.answer(report)[:1])
+        notes = [line.text for line in report.answer if line.note]
+        return "".join(f'<p class="headline">{escape(line)}</p>' for line in [*tables.answer(report)[:1], *notes])
     places = {id(episode): number for number, episode in enumerate(report.episodes[: tables.EPISODES_SHOWN])}
     items = []
     for line in report.answer:
         head = f"<b>{escape(line.verdict or line.subject)}</b>{'.' if line.verdict else ':'} "
         phrases = [_phrase(phrase.text, places.get(id(phrase.episode))) for phrase in line.phrases]
-        more = [f"and {line.left_out} more"] if line.left_out else []
-        items.append(f"<li>{head}{'; '.join([*phrases, *more]) or ('' if line.verdict else 'nothing')}</li>")
+        said = "; ".join([*phrases, *map(escape, line.rest)])
+        items.append(f"<li>{head}{said or ('' if line.verdict else 'nothing')}</li>")
     return f'<ol class="answer">{"".join(items)}</ol>'
 
 

@@ -14,6 +14,7 @@ from sistap.report import tables
 from sistap.report.figures import Figures, Limit, Station
 from sistap.report.gather import Report
 from sistap.report.pauses import Pause, Talker
+from sistap.report.unjudged import unjudged
 from sistap.report.windows import Window
 from sistap.sis.faults import FAULTS
 from sistap.sis.telegram import service_name
@@ -67,6 +68,7 @@ def _report(report: Report) -> dict[str, Any]:
         "warning": report.warning,
         "missing_fields": report.missing,
         "answer": tables.answer(report),
+        "not_judged": unjudged(report.figures),
         "episodes": [episode.as_json() for episode in report.episodes],
         "began_epoch_s": figures.first_epoch_s,
         "duration_s": figures.duration_s,

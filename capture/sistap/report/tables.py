@@ -22,6 +22,7 @@ from sistap.report import curved
 from sistap.report.figures import SILENCE_S, Figures, Limit
 from sistap.report.gather import Report
 from sistap.report.pauses import MOST_PLACES
+from sistap.report.unjudged import is_unknown
 from sistap.sis import faults as faults_of_sis
 from sistap.sis.faults import FAULTS
 from sistap.sis.limits import NAMES, told
@@ -216,8 +217,8 @@ def verdicts(report: Report) -> Table:
     rows = []
     for name, (title, field) in _LIMITS.items():
         limit = report.figures.limits[name]
-        counts = [str(limit.verdicts[verdict]) for verdict in (OK, EXCEEDED, UNRESOLVED, None)]
-        rows.append((title, limits(limit), *counts, f"{field} == {EXCEEDED}"))
+        counts = [_count(limit, verdict) for verdict in (OK, EXCEEDED, UNRESOLVED)]
+        rows.append((title, limits(limit), *counts, str(limit.verdicts[None]), f"{field} == {EXCEEDED}"))
     heads = ("Limit", "Value", "Kept", "Exceeded", "Unresolved", "No limit known", "Filter for the exceeded")
     return Table("Verdicts", heads, rows, code=6, note=_unresolved(report.figures))
 
@@ -233,6 +234,11 @@ def _unresolved(figures: Figures) -> str:
     is_known = figures.exactness.is_known
     why = f"the times are uncertain by {_uncertainty(figures)}" if is_known else "nobody knows how exact the times are"
     return f"{count} unresolved: {why}.{timer} {faults_of_sis.UNRESOLVED}"
+
+
+def _count(limit: Limit, verdict: int) -> str:
+    """Write how often it was judged so: 0 would look good where no limit is known."""
+    return "not judged" if is_unknown(limit) else str(limit.verdicts[verdict])
 
 
 def limits(limit: Limit) -> str:
@@ -302,7 +308,7 @@ def services(report: Report) -> Table:
         times = service.times
         shown = [times.shortest_s, times.average_s, times.within_s(0.5), times.within_s(0.99), times.longest_s]
         name = f"0x{number:02x} {service_name(number)}"
-        judged = [str(service.trs.verdicts[verdict]) for verdict in (EXCEEDED, UNRESOLVED)]
+        judged = [_count(service.trs, verdict) for verdict in (EXCEEDED, UNRESOLVED)]
         rows.append((name, str(times.count), *map(ms, shown), limits(service.trs), *judged))
     heads = ("Service", "Reactions", "Shortest", "Average", "Half within", "99 % within", "Longest")
     return Table("Reaction times by service", (*heads, "TrS", "Exceeded", "Unresolved"), rows)
@@ -316,7 +322,7 @@ def stations(report: Report) -> Table:
         counts = [station.commands, station.reactions, station.errors, station.repeats, station.unanswered]
         shown = [ms(times.within_s(0.5)), ms(times.longest_s)] if times.count else ["", ""]
         pause = ms(station.longest_pause_s) if station.longest_pause_s else ""
-        exceeded = [str(limit.verdicts[EXCEEDED]) for limit in (station.trs, station.tza)]
+        exceeded = [_count(limit, EXCEEDED) for limit in (station.trs, station.tza)]
         rows.append((str(address), *map(str, counts), *shown, pause, *exceeded))
     heads = ("Station", "Commands", "Reactions", "With an error", "Sent again", "Not answered")
     times_heads = ("Half of its reactions within", "Slowest reaction", "Longest interval in a telegram")

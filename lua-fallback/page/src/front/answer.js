@@ -9,7 +9,6 @@ const AT_ONCE = 5000; // packets of a capture that is judged without being asked
 const MOST = 200; // packets in a filter
 const KINDS = { "NOT OK": "bad", OK: "good" }; // of the bar, by the verdict
 const UNUSUAL = 5; // a slowest answer that takes so many times what half of the answers take is worth a look
-const LIMITED = { trs: "reaction times (no TrS)", tza: "intervals in telegrams (no TzA)" };
 
 const ms = (seconds) => `${(seconds * 1000).toFixed(seconds < 0.1 ? 1 : 0)} ms`;
 
@@ -61,7 +60,7 @@ export class Answer {
     const found = JSON.parse(new TextDecoder().decode(await reported(this.capture, "json", options)));
     if (bytes !== this.capture.bytes) return;
     this.found = found;
-    const [first, ...lines] = this.answer;
+    const { answer: [first, ...lines] } = found;
     this.bar.className = `answer-bar ${KINDS[first.split(",")[0]] ?? ""}`;
     this.bar.replaceChildren(element("b", {}, first), " ", ...this.slowest(), ...this.silent(), ...this.unjudged(), " ", element("a", { href: "#answer" }, "What happened"));
     this.body.replaceChildren(element("ul", { className: "answer" }, ...[first, ...lines].map((line) => element("li", {}, line))),
@@ -69,20 +68,8 @@ export class Answer {
   }
 
   // What cannot be judged, because neither the bus nor a person has told the limit.
-  get withoutLimit() {
-    const { limits } = this.found;
-    return Object.entries(LIMITED).filter(([name]) => limits[name].no_limit > 0 && !limits[name].limits_s.length).map(([, words]) => words);
-  }
-
-  // The lines of the answer. Where a limit is missing, finding nothing is no verdict.
-  get answer() {
-    const { answer } = this.found;
-    if (!this.withoutLimit.length) return answer;
-    return answer.map((line) => line.replace(/^OK,/, "No fault found,")).filter((line) => line !== "Limits: nothing.");
-  }
-
   unjudged() {
-    const words = this.withoutLimit;
+    const { not_judged: words } = this.found;
     return words.length ? [` Not judged: ${words.join(", ")}. `, button("Limits", this.tellLimits)] : [];
   }
 
