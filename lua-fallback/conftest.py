@@ -23,6 +23,7 @@ NPM = HERE.parent / "build" / "npm"
 sys.path[:0] = [str(HERE), str(HERE.parent / "test-captures"), str(HERE.parent / "capture")]
 sys.path[len(sys.path) :] = [str(HERE.parent / "capture" / "tests"), str(HERE.parent / "plugin" / "protocol")]
 
+from chromium import Chromium, program  # noqa: E402
 from parity import SCRIPT  # noqa: E402
 from sistap.wireshark.tshark import Tshark  # noqa: E402
 
@@ -77,3 +78,29 @@ def page(npm: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("page")
     subprocess.run(["node", str(PAGE / "build.mjs"), str(npm), str(folder)], check=True)
     return folder / "sis.html"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Chromium]:
+    """Start chromium."""
+    if program() is None:
+        pytest.skip("needs chromium (Debian: chromium)")
+    with Chromium() as browser:
+        yield browser
+
+
+@pytest.fixture
+def window(browser: Chromium) -> Iterator[Chromium]:
+    """Open a window that remembers nothing; no page in it may complain."""
+    browser.renew()
+    browser.size(1280, 860)
+    yield browser
+    assert browser.complaints == []
+
+
+@pytest.fixture
+def chromium(window: Chromium, page: Path) -> Chromium:
+    """Open the page."""
+    window.open(page.as_uri())
+    window.until("document.documentElement.dataset.ready")
+    return window

@@ -13,7 +13,7 @@ import threading
 import time
 import tty
 from base64 import b64encode
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from statistics import median
@@ -21,18 +21,14 @@ from typing import Any
 
 import pytest
 
-from chromium import Chromium, ChromiumError, program
+from chromium import Chromium, ChromiumError
 from make import HERE as CAPTURES
 from sistap.bus.scenarios import scenario
 from sistap.cli import main
 from sistap.sis.telegram import build
 from sistap.web import command
 
-pytestmark = [
-    pytest.mark.thorough,
-    pytest.mark.timeout(600),
-    pytest.mark.skipif(program() is None, reason="needs chromium (Debian: chromium)"),
-]
+pytestmark = [pytest.mark.thorough, pytest.mark.timeout(600)]
 
 CAPTURE = CAPTURES / "course" / "09-timing.pcapng"
 OF_CAPTURE = ("answer", "packets", "findings", "statistics", "curve", "report", "follow")
@@ -44,22 +40,6 @@ TIMED = ("first file", "again", "20,000 telegrams")
 WANTED_S, BEARABLE_S = (3, 1, 3), (30, 10, 30)  # of these, on a quiet computer with two cores, and on a busy one
 QUIET = 1  # load
 FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Chromium]:
-    with Chromium() as browser:
-        yield browser
-
-
-@pytest.fixture
-def chromium(browser: Chromium, page: Path) -> Iterator[Chromium]:
-    browser.renew()
-    browser.size(1280, 860)
-    browser.open(page.as_uri())
-    browser.until("document.documentElement.dataset.ready")
-    yield browser
-    assert browser.complaints == []
 
 
 def idle(browser: Chromium) -> None:
@@ -431,29 +411,28 @@ class Quiet(SimpleHTTPRequestHandler):
         """Say nothing of a request."""
 
 
-def test_the_folder_needs_its_server_once(browser: Chromium, page: Path, tmp_path: Path) -> None:
+def test_the_folder_needs_its_server_once(window: Chromium, page: Path, tmp_path: Path) -> None:
     """It can be installed. From the second visit on it opens a log without a network: that needs all its parts."""
     log = tmp_path / "log.txt"
     log.write_text("10:00:00.100 02 D9 00 00 00 12 10 03\n")
-    browser.renew()
     handler = functools.partial(Quiet, directory=str(page.parent / "page"))
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         address = f"http://localhost:{server.server_port}/"
         serving = threading.Thread(target=server.serve_forever)
         serving.start()
-        browser.open(address)
-        browser.until("navigator.serviceWorker.controller")
+        window.open(address)
+        window.until("navigator.serviceWorker.controller")
         server.shutdown()
         serving.join()
-    found = browser.call("Page.getInstallabilityErrors")["installabilityErrors"]
+    found = window.call("Page.getInstallabilityErrors")["installabilityErrors"]
     assert [one["errorId"] for one in found] == ["in-incognito"]  # as every window of a test is
-    browser.open(f"{address}?again")
-    browser.until("document.documentElement.dataset.ready")
-    choose(browser, log)
-    assert "Checksum: 0xd9 [correct]" in browser.run("document.querySelector('.tree').textContent")
-    browser.open(f"{address}index.html")
-    browser.until("document.documentElement.dataset.ready")
-    assert browser.complaints == []
+    window.open(f"{address}?again")
+    window.until("document.documentElement.dataset.ready")
+    choose(window, log)
+    assert "Checksum: 0xd9 [correct]" in window.run("document.querySelector('.tree').textContent")
+    window.open(f"{address}index.html")
+    window.until("document.documentElement.dataset.ready")
+    assert window.complaints == []
 
 
 @pytest.mark.skipif(FIREFOX is None, reason="needs Firefox (Debian: firefox-esr)")
@@ -469,7 +448,7 @@ def test_firefox_opens_it(page: Path, node: Callable[..., Any], tmp_path: Path) 
     assert not any(one["complaints"] for one in found)
 
 
-def test_the_tap_of_this_computer(browser: Chromium, page: Path) -> None:
+def test_the_tap_of_this_computer(window: Chromium, page: Path) -> None:
     """What `sistap web -i` hears, in a browser that cannot read ports itself."""
     ours, theirs = os.openpty()
     tty.setraw(theirs)
@@ -480,20 +459,18 @@ def test_the_tap_of_this_computer(browser: Chromium, page: Path) -> None:
     package = str(Path(command.__file__).parents[2])
     environment = {**os.environ, "PYTHONPATH": package, "DISPLAY": "", "WAYLAND_DISPLAY": ""}
     words = [sys.executable, "-c", code, str(page), os.ttyname(theirs)]
-    browser.renew()
-    browser.before("delete Navigator.prototype.serial")
+    window.before("delete Navigator.prototype.serial")
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=environment) as process:
         assert process.stdout
-        browser.open(process.stdout.readline().strip() + "#listen")
-        browser.until("document.documentElement.dataset.ready")
-        browser.click(f"Listen at {os.ttyname(theirs)}, with sistap")
-        browser.until("document.querySelector('.live-bar')")
+        window.open(process.stdout.readline().strip() + "#listen")
+        window.until("document.documentElement.dataset.ready")
+        window.click(f"Listen at {os.ttyname(theirs)}, with sistap")
+        window.until("document.querySelector('.live-bar')")
         for telegram in ("02 D9 00 00 00 12 10 03", "02 C3 02 02 10 12 10 03 00 02"):
             os.write(ours, bytes.fromhex(telegram))
-        browser.until("/Read phase: phase 2/.test(document.querySelector('.packet-list').textContent)")
+        window.until("/Read phase: phase 2/.test(document.querySelector('.packet-list').textContent)")
         process.terminate()
-        browser.until("!document.querySelector('.live-bar') && document.querySelector('#busy').hidden")
-    assert "the tap has ended" in browser.run("document.querySelector('.packet-list').textContent")
-    assert browser.complaints == []
+        window.until("!document.querySelector('.live-bar') && document.querySelector('#busy').hidden")
+    assert "the tap has ended" in window.run("document.querySelector('.packet-list').textContent")
     os.close(ours)
     os.close(theirs)

@@ -6,13 +6,12 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from chromium import Chromium, program
+from chromium import Chromium
 from make import HERE as CAPTURES
 from sistap.files import pcapng
 from sistap.line.settings import LineSettings
@@ -71,18 +70,14 @@ def test_a_worker_that_breaks_down(found: dict[str, Any]) -> None:
 
 
 @pytest.fixture
-def chromium(page: Path) -> Iterator[Chromium]:
-    if program() is None:
-        pytest.skip("needs chromium (Debian: chromium)")
-    with Chromium() as browser:
-        browser.before(
-            "window.workers = [];"
-            "window.Worker = class extends Worker { constructor(...all) { super(...all); workers.push(this); } }"
-        )
-        browser.open(page.as_uri())
-        browser.until("document.documentElement.dataset.ready")
-        yield browser
-        assert browser.complaints == []
+def chromium(window: Chromium, page: Path) -> Chromium:
+    window.before(
+        "window.workers = [];"
+        "window.Worker = class extends Worker { constructor(...all) { super(...all); workers.push(this); } }"
+    )
+    window.open(page.as_uri())
+    window.until("document.documentElement.dataset.ready")
+    return window
 
 
 def is_text(browser: Chromium, text: str) -> bool:
@@ -130,13 +125,10 @@ def test_another_capture_opens_after_one_that_broke_wireshark_down(chromium: Chr
 
 
 @pytest.mark.thorough
-def test_a_page_that_is_cut_off(page: Path, tmp_path: Path) -> None:
-    if program() is None:
-        pytest.skip("needs chromium (Debian: chromium)")
+def test_a_page_that_is_cut_off(window: Chromium, page: Path, tmp_path: Path) -> None:
     half = tmp_path / "sis.html"
     half.write_bytes(page.read_bytes()[: page.stat().st_size // 2])
-    with Chromium() as browser:
-        browser.open(half.as_uri())
-        browser.until("document.querySelector('#trouble').textContent")
-        said = browser.run("document.querySelector('#trouble').textContent")
-        assert said == "This page is cut off: copy its file once more"
+    window.open(half.as_uri())
+    window.until("document.querySelector('#trouble').textContent")
+    said = window.run("document.querySelector('#trouble').textContent")
+    assert said == "This page is cut off: copy its file once more"

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from chromium import Chromium, program
+from chromium import Chromium
 from pages import content
 from pages.questions import Ask, Lesson
 
@@ -18,7 +18,6 @@ LESSONS = content.lessons()
 PLAYED = Path(__file__).parents[2] / "build" / "course"  # captures of the virtual bus, also for ./bootstrap page
 
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(600)]
-in_browser = pytest.mark.skipif(program() is None, reason="needs chromium (Debian: chromium)")
 
 Tried = tuple[Ask, str]
 
@@ -130,20 +129,12 @@ def test_answers_are_read_kindly(kind: str, answers: Callable[..., list[Any]]) -
         assert said["say"]
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Chromium]:
-    with Chromium() as browser:
-        yield browser
-
-
 @pytest.fixture
-def chromium(browser: Chromium, page: Path) -> Iterator[Chromium]:
-    browser.renew()
-    browser.size(1500, 950)
-    browser.open(page.as_uri() + "#learn")
-    browser.until("document.querySelector('.lessons')")
-    yield browser
-    assert browser.complaints == []
+def chromium(window: Chromium, page: Path) -> Chromium:
+    window.size(1500, 950)
+    window.open(page.as_uri() + "#learn")
+    window.until("document.querySelector('.lessons')")
+    return window
 
 
 def lesson(browser: Chromium, name: str) -> None:
@@ -163,7 +154,6 @@ def tool(browser: Chromium, words: str) -> None:
     """)
 
 
-@in_browser
 def test_a_lesson_is_answered_by_keyboard_and_kept(chromium: Chromium, page: Path, tmp_path: Path) -> None:
     lesson(chromium, "01-first-telegram")
     chromium.run("document.getElementById('ask-1-0').focus()")
@@ -202,7 +192,6 @@ def results(browser: Chromium, folder: Path) -> None:
     browser.until("/no file of results/.test(document.querySelector('#trouble').textContent)")
 
 
-@in_browser
 def test_what_the_text_names_is_one_click_away(chromium: Chromium) -> None:
     lesson(chromium, "01-first-telegram")
     chromium.run("[...document.querySelectorAll('a.packet')].find((one) => one.textContent === '4').click()")
@@ -216,7 +205,6 @@ def test_what_the_text_names_is_one_click_away(chromium: Chromium) -> None:
     assert chromium.run("location.hash") == "#learn/01-first-telegram"
 
 
-@in_browser
 def test_a_lessons_settings_end_with_it(chromium: Chromium, page: Path) -> None:
     """Lesson 18 is about another edition."""
     assert content.preferences(next(one for one in LESSONS if one.path.stem == "18-ecodrive03"))
@@ -228,7 +216,6 @@ def test_a_lessons_settings_end_with_it(chromium: Chromium, page: Path) -> None:
     assert "ECODRIVE03" not in chromium.run("document.querySelector('dialog[open] select').value")
 
 
-@in_browser
 def test_a_telegram_is_decoded_while_it_is_changed(chromium: Chromium) -> None:
     """Figure 8-21 of the SIS definition: phase 2, checksum 0xc3."""
     lesson(chromium, "01-first-telegram")
@@ -243,7 +230,6 @@ def test_a_telegram_is_decoded_while_it_is_changed(chromium: Chromium) -> None:
     assert chromium.run("document.querySelector('input.telegram').value") == "02 C2 02 02 10 12 10 03 00 03"
 
 
-@in_browser
 @pytest.mark.parametrize(
     ("name", "packet", "bytes_", "decoded"),
     [
@@ -289,7 +275,6 @@ def slide(browser: Chromium, words: str, value: float) -> None:
     )
 
 
-@in_browser
 def test_the_timeline_flips_verdicts(chromium: Chromium) -> None:
     """Packet 9 has an interval of 7 ms where TzA is 5 ms, and the tap is exact to 0.3 ms."""
     lesson(chromium, "09-timing")
@@ -309,7 +294,6 @@ def test_the_timeline_flips_verdicts(chromium: Chromium) -> None:
     verdict(chromium, "Verdict on TzA: ok")
 
 
-@in_browser
 @pytest.mark.parametrize("name", ["11-damaged-line", "17-wiring"])
 def test_errors_on_the_timeline(name: str, chromium: Chromium) -> None:
     lesson(chromium, name)
@@ -320,7 +304,6 @@ def test_errors_on_the_timeline(name: str, chromium: Chromium) -> None:
     chromium.until(f"document.querySelectorAll('.box.faulty').length === {faulty} + 1")
 
 
-@in_browser
 def test_the_bus_of_a_lesson_plays_in_it(chromium: Chromium) -> None:
     """Lesson 0 needs no terminal."""
     lesson(chromium, "00-record-it-yourself")
@@ -334,7 +317,6 @@ def test_the_bus_of_a_lesson_plays_in_it(chromium: Chromium) -> None:
     assert chromium.run("location.hash") == "#learn/00-record-it-yourself"
 
 
-@in_browser
 def test_a_lesson_on_paper(chromium: Chromium) -> None:
     """All packets; the answers on a page of their own."""
     lesson(chromium, "01-first-telegram")
@@ -352,7 +334,6 @@ def test_a_lesson_on_paper(chromium: Chromium) -> None:
     chromium.call("Emulation.setEmulatedMedia", media="screen")
 
 
-@in_browser
 @pytest.mark.parametrize(
     "store",
     [

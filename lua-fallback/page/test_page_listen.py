@@ -11,12 +11,11 @@ import sys
 import time
 import tty
 from base64 import b64encode
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from chromium import Chromium, program
+from chromium import Chromium
 from parity import SCRIPT
 from sistap.captures.reading import records
 from sistap.line.settings import Flag
@@ -27,23 +26,16 @@ SECONDS = float(os.environ.get("SIS_PAGE_SECONDS", "12"))  # of each line; what 
 CHARACTER = struct.Struct("<BQQ")
 STEPS_NS = 200_000  # of the browser's clock
 
-pytestmark = [
-    pytest.mark.thorough,
-    pytest.mark.timeout(180 + 3 * SECONDS),
-    pytest.mark.skipif(program() is None, reason="needs chromium (Debian: chromium)"),
-]
+pytestmark = [pytest.mark.thorough, pytest.mark.timeout(180 + 3 * SECONDS)]
 
 
 @pytest.fixture
-def chromium(page: Path, tmp_path: Path) -> Iterator[Chromium]:
-    with Chromium() as browser:
-        browser.size(1280, 860)
-        browser.before((HERE / "test" / "serial.js").read_text())
-        browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
-        browser.open(page.as_uri() + "#listen")
-        browser.until("document.documentElement.dataset.ready")
-        yield browser
-        assert browser.complaints == []
+def chromium(window: Chromium, page: Path, tmp_path: Path) -> Chromium:
+    window.before((HERE / "test" / "serial.js").read_text())
+    window.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    window.open(page.as_uri() + "#listen")
+    window.until("document.documentElement.dataset.ready")
+    return window
 
 
 def listen(browser: Chromium, rate: str, ports: int = 1) -> None:

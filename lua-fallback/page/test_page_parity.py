@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from chromium import Chromium, program
+from chromium import Chromium
 from make import Scenario, scenarios
 from pages import content
 from parity import SCRIPT
@@ -144,18 +144,13 @@ def test_lessons_that_are_played(script: Tshark, node: Callable[..., Any]) -> No
         compare(in_node(node, (), [capture])[str(capture)], script, capture, ())
 
 
-@pytest.mark.skipif(program() is None, reason="needs chromium (Debian: chromium)")
-def test_chromium_shows_what_node_shows(page: Path, node: Callable[..., Any]) -> None:
+def test_chromium_shows_what_node_shows(chromium: Chromium, node: Callable[..., Any]) -> None:
     """So chromium shows what tshark shows, too."""
-    with Chromium() as browser:
-        browser.open(page.as_uri())
-        browser.until("document.documentElement.dataset.ready")
-        browser.run((SCRIPT.parent / "page" / "test" / "dissecting.js").read_text())
-        for options, captures in [*groups(), ((), played()[:1])]:
-            found = in_node(node, options, captures)
-            browser.run(f"startDissecting({json.dumps(preferences(options))}).then(() => 0)")
-            for capture in captures:
-                data = b64encode(capture.read_bytes()).decode()
-                shown = json.loads(browser.run(f"dissected('{data}', {TREES})"))
-                assert shown == found[str(capture)], capture.name
-        assert browser.complaints == []
+    chromium.run((SCRIPT.parent / "page" / "test" / "dissecting.js").read_text())
+    for options, captures in [*groups(), ((), played()[:1])]:
+        found = in_node(node, options, captures)
+        chromium.run(f"startDissecting({json.dumps(preferences(options))}).then(() => 0)")
+        for capture in captures:
+            data = b64encode(capture.read_bytes()).decode()
+            shown = json.loads(chromium.run(f"dissected('{data}', {TREES})"))
+            assert shown == found[str(capture)], capture.name
