@@ -93,7 +93,7 @@ const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base
 function policy({ style, script, own = "" }) {
   const rules = {
     "default-src": "'none'",
-    "style-src": `${style} ${hash(content.reportStyle)}`,
+    "style-src": `${[style, ...content.styles.map(hash)].join(" ")}`,
     "script-src": `${script} blob: 'wasm-unsafe-eval'`,
     "worker-src": `blob: ${own}`,
     "connect-src": `blob: ${own}`,

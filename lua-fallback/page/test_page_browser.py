@@ -6,6 +6,7 @@ from __future__ import annotations
 import functools
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -31,8 +32,10 @@ from sistap.web import command
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(600)]
 
 CAPTURE = CAPTURES / "course" / "09-timing.pcapng"
-OF_CAPTURE = ("answer", "packets", "findings", "statistics", "curve", "report", "follow")
+OF_CAPTURE = ("answer", "packets", "findings", "statistics", "curve", "changes", "report", "compare", "follow")
 VIEWS = ("open", "listen", "play", "learn", "learn/glossary", *OF_CAPTURE, "learn/09-timing")
+ANOTHER = CAPTURES / "accesses.pcapng"
+COMPARED = "document.querySelector('[title=Comparison]').srcdoc"
 HOSTILE = "<img src=x onerror=alert(1)>"
 TELEPHONE = 360  # pixels
 RUNS = 5  # whose median counts
@@ -53,6 +56,13 @@ def choose(browser: Chromium, capture: Path) -> None:
     idle(browser)
 
 
+def show_only(browser: Chromium, view: str) -> None:
+    """Go to a view, and wait until it is there."""
+    browser.run(f"location.hash = '#{view}'")
+    browser.until(f"document.querySelector('nav [href=\"#{view}\"]').ariaCurrent === 'page'")
+    idle(browser)
+
+
 def show(browser: Chromium, view: str) -> None:
     if view == "follow":
         browser.run("location.hash = '#packets'")
@@ -62,11 +72,21 @@ def show(browser: Chromium, view: str) -> None:
     browser.until("document.querySelector('main > :not([hidden])')")
     if view == "report":
         browser.until("document.querySelector('.report-frame').srcdoc")
+    if view == "compare" and not browser.run(COMPARED):
+        compare_with(browser, ANOTHER)
     if view == "play":
         browser.until("document.querySelector('#scenario').length > 1")
     if view.startswith("learn"):
         browser.until("document.querySelector('.learn').children.length")
     idle(browser)
+
+
+def compare_with(browser: Chromium, other: Path) -> str:
+    """Choose the second capture; return what the page says of both."""
+    browser.choose("#other", other)
+    browser.until(f"{COMPARED} || document.querySelector('#trouble').textContent")
+    idle(browser)
+    return str(browser.run(COMPARED))
 
 
 def docklight() -> str:
@@ -142,6 +162,66 @@ def test_what_has_no_limit_is_not_judged(chromium: Chromium, tmp_path: Path) -> 
     assert chromium.run(f"[...{bar}.classList]") == ["answer-bar", "bad"]
     assert "Not judged" not in chromium.run(f"{bar}.textContent")
     assert "8:21:10" in chromium.run("document.querySelector('.answer').textContent")
+
+
+def text_of(browser: Chromium, selector: str) -> str:
+    return str(browser.run(f"document.querySelector({selector!r}).textContent"))
+
+
+def test_a_good_and_a_bad_capture_are_compared(chromium: Chromium, tmp_path: Path) -> None:
+    """In the second one station 4 answers no more for a time; which one is good can be turned round."""
+    for name in ("demo", "silent-station"):
+        assert main(["bus", name, "-w", str(tmp_path / f"{name}.pcapng"), "--duration", "10"]) == 0
+    choose(chromium, tmp_path / "silent-station.pcapng")
+    show_only(chromium, "compare")
+    tab_to(chromium, "#open-is")
+    tab_to(chromium, "#other")
+    silent = r'<th scope="row">Silent</th><td>Station silent, station 4: .*14 commands without a reaction'
+    assert re.search(silent, compare_with(chromium, tmp_path / "demo.pcapng"))
+    said = "[aria-labelledby=compare-title] [role=status]"
+    assert text_of(chromium, said) == "Good: demo.pcapng. Bad: silent-station.pcapng."
+    tab_to(chromium, "#open-is")
+    chromium.press("ArrowDown", 40)
+    chromium.until(f"document.querySelector({said!r}).textContent.startsWith('Good: silent-station.pcapng.')")
+    idle(chromium)
+    assert not re.search(silent, chromium.run(COMPARED))
+    choose(chromium, CAPTURE)
+    show_only(chromium, "compare")
+    assert not chromium.run(COMPARED)
+
+
+def test_a_log_can_be_compared_and_what_is_none_is_said(chromium: Chromium, tmp_path: Path) -> None:
+    (tmp_path / "good.txt").write_text(docklight(), newline="")
+    (tmp_path / "none.txt").write_text("no bytes at all\n")
+    choose(chromium, CAPTURE)
+    show_only(chromium, "compare")
+    assert "Good: good.txt: 70 telegrams" in compare_with(chromium, tmp_path / "good.txt")
+    show_only(chromium, "packets")
+    assert text_of(chromium, "#open-name") == CAPTURE.name
+    show_only(chromium, "compare")
+    chromium.choose("#other", tmp_path / "none.txt")
+    chromium.until("document.querySelector('#trouble').textContent")
+    assert "no bytes in hexadecimal" in text_of(chromium, "#trouble")
+    show_only(chromium, "packets")
+    chromium.until("!document.querySelector('#trouble').textContent")  # it was about the view before
+
+
+def test_who_changed_what(chromium: Chromium) -> None:
+    """Master 16 writes P-0-0100 of station 3 in packet 8: 01 00."""
+    choose(chromium, CAPTURES / "course" / "10-silence.pcapng")
+    show_only(chromium, "changes")
+    chromium.until("document.querySelector('[aria-label=Changes] td')")
+    row = chromium.run("[...document.querySelectorAll('[aria-label=Changes] td')].map((one) => one.textContent)")
+    packet = row[-1]
+    assert row[1:7] == ["16", "3", "P-0-0100", "", "unknown", "01 00"]
+    tab_to(chromium, "#changed")
+    tab_to(chromium, "[aria-label=Changes]")
+    tab_to(chromium, "[title='sis.parameter == \"P-0-0100\" && sis.station == 3']")
+    tab_to(chromium, f"[aria-label='Packet {packet}']")
+    chromium.press("Enter", 13, "\r")
+    chromium.until("location.hash === '#packets'")
+    chromium.until(f"document.querySelector('.row.selected').children[0].textContent === '{packet}'")
+    assert "P-0-0100" in text_of(chromium, ".row.selected")
 
 
 def test_the_last_time_fits_its_column(chromium: Chromium, tmp_path: Path) -> None:

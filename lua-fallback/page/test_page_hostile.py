@@ -53,6 +53,10 @@ def test_names_of_files(found: dict[str, Any]) -> None:
     assert found["names"] == ["log_.pcapng", "imported_.pcapng", "_w.txt", "__.._x", "_", "_img src_x_.log", "file"]
 
 
+def test_what_a_table_was_is_what_it_is_read_as(found: dict[str, Any]) -> None:
+    assert found["read"] == [FORMULAS + HONEST, ['say "no"', "a,b", "two\r\nlines", "x"]]
+
+
 @pytest.mark.attack("page: a cell of a table like a formula of a spreadsheet", "a ' before it makes it text in CSV")
 def test_no_cell_is_a_formula(found: dict[str, Any]) -> None:
     formulas = ['"\'=HYPERLINK(""x"")"', "'@SUM(1)", "'-1+1|cmd", "'+1+cmd|' /C calc'!A0", "'\t=1", '"\'\r=1"']
@@ -132,3 +136,4 @@ def test_a_page_that_is_cut_off(window: Chromium, page: Path, tmp_path: Path) ->
     window.until("document.querySelector('#trouble').textContent")
     said = window.run("document.querySelector('#trouble').textContent")
     assert said == "This page is cut off: copy its file once more"
+    window.complaints.clear()  # of what is cut in two

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import json
 import re
+import tempfile
 from base64 import b64encode
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import pytest
@@ -25,7 +26,16 @@ PROFILE = SCRIPT.parents[1] / "capture" / "sistap" / "profile" / "SIS" / "prefer
 PLAYED = SCRIPT.parents[1] / "build" / "course"  # captures of lessons that the virtual bus plays
 OURS = ("sertap", "sis", "sisascii", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxpd", "synaxobj", "synaxpcp")
 TREES = 500  # of a capture; only lessons 19 and 20 have more packets
-TABLE = "uat:"  # a table that the user edits, which Lua cannot have
+# Tables that a user edits, which Lua cannot have. Of this one sis.lua reads the file, as the plugin does.
+TABLE = "uat:sis_parameters:"
+# The other one has no effect with sis.lua, in tshark or in the page: its file is not read (README.md of lua-fallback).
+OF_PLUGIN = "uat:synax_process_data:"
+# Decode As, in wiregasm and Wireshark a file of the profile; the page's own line of it.
+DECODE_AS = re.compile(r"([\w.]+)==(\d+),(\w+)")
+OF_PAGE = "decode_as_entry: rtacser.data,0,(none),SIS\n"
+# wiregasm reads it before the preferences, which give a port of AFS (RX) back to AFS. So the other port of the datagram
+# is decoded.
+OTHER_PORT = {"7003": "50000"}
 # A script knows section and interface from fields, and the first of two passes has none without a read filter.
 TWO_PASSES = ("-2", "-R", "frame")
 # wiregasm is another version of Wireshark, which has other words for TCP, for what it cuts, and for bytes that are no
@@ -36,6 +46,7 @@ OCTAL = re.compile(r"\\([0-7]{3})")
 MOST = 60  # characters that every version shows of long data
 
 Node = Callable[..., Any]
+Printed = Callable[..., str]
 Tree = tuple[str, int, int, list[Any]]  # text, first byte, count, what is below
 
 
@@ -44,15 +55,63 @@ def played() -> list[Path]:
     return [content.capture(one, PLAYED) for one in content.lessons() if not one.path.with_suffix(".txt").exists()]
 
 
-def groups() -> list[tuple[tuple[str, ...], list[Path]]]:
-    """Return options of tshark, and the captures that are read with them."""
+class Settings(NamedTuple):
+    """How captures are read: pairs of an option of tshark and its value."""
+
+    pairs: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def options(self) -> list[str]:
+        """Those of tshark. Its table is a file."""
+        return [word for pair in self.pairs if not pair[1].startswith(TABLE) for word in pair]
+
+    @property
+    def preferences(self) -> dict[str, str]:
+        """Those of the page."""
+        return dict(value.split(":", 1) for name, value in self.pairs if name == "-o" and not value.startswith(TABLE))
+
+    @property
+    def table(self) -> str:
+        return "".join(f"{value.removeprefix(TABLE)}\n" for _, value in self.pairs if value.startswith(TABLE))
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Files of the page's profile; `-d rtacser.data,sis` is usual in the page."""
+        entries = [DECODE_AS.fullmatch(value) for name, value in self.pairs if name == "-d"]
+        more = "".join(
+            f"decode_as_entry: {one[1]},{OTHER_PORT.get(one[2], one[2])},(none),{one[3].upper()}\n"
+            for one in entries
+            if one
+        )
+        named = {"sis_parameters": self.table, "decode_as_entries": more and OF_PAGE + more}
+        return {name: text for name, text in named.items() if text}
+
+
+def groups() -> list[tuple[Settings, list[Path]]]:
+    """Return settings, and the captures that are read with them."""
     found = defaultdict(list)
     for path in scenarios():
         given = Scenario(path).options
-        pairs = [pair for pair in zip(given[::2], given[1::2], strict=True) if not pair[1].startswith(TABLE)]
-        if not any("udp.port" in value for _, value in pairs):  # Decode As, which the page has for RTAC alone
-            found[tuple(word for pair in pairs for word in pair)].append(path.with_suffix(".pcapng"))
+        pairs = (pair for pair in zip(given[::2], given[1::2], strict=True) if not pair[1].startswith(OF_PLUGIN))
+        found[Settings(tuple(pairs))].append(path.with_suffix(".pcapng"))
     return list(found.items())
+
+
+@pytest.fixture
+def printed(script: Tshark) -> Iterator[Printed]:
+    """Return what tshark prints of a capture that is read with some settings."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o755)  # tshark may be run by nobody
+
+        def run(settings: Settings, capture: Path, *arguments: str) -> str:
+            (folder / "sis_parameters").write_text(settings.table)
+            words = ["-r", str(capture), *TWO_PASSES, *settings.options, *arguments]
+            done = script.run(words, extra_environment={"WIRESHARK_CONFIG_DIR": name})
+            assert done.returncode == 0, done.stderr
+            return done.stdout
+
+        yield run
 
 
 def column_format() -> str:
@@ -61,23 +120,22 @@ def column_format() -> str:
     return "gui.column.format:" + text[text.index("gui.column.format:") :].partition(":")[2].replace("\n\t", "").strip()
 
 
-def rows(script: Tshark, capture: Path, options: Sequence[str]) -> list[list[str]]:
+def rows(printed: Printed, settings: Settings, capture: Path) -> list[list[str]]:
     """Return the packet list as tshark prints it, the time left out: its precision is the profile's."""
     titles = re.findall(r'"([^"]*)", ?"', column_format())
     arguments = ["-T", "fields", *(word for title in titles for word in ("-e", f"_ws.col.{title}"))]
-    printed = script.output("-r", str(capture), *TWO_PASSES, *options, "-o", column_format(), *arguments)
-    return [without_time(line.split("\t")) for line in printed.splitlines()]
+    lines = printed(settings, capture, "-o", column_format(), *arguments).splitlines()
+    return [without_time(line.split("\t")) for line in lines]
 
 
 def without_time(cells: list[str]) -> list[str]:
     return [OF_TCP.sub("", cell) for place, cell in enumerate(cells) if place != 1]
 
 
-def trees(script: Tshark, capture: Path, options: Sequence[str], step: int) -> Iterator[list[Tree]]:
+def trees(printed: Printed, settings: Settings, capture: Path, step: int) -> Iterator[list[Tree]]:
     """Yield the layers of ours of one packet in so many."""
     some = ("-Y", f"frame.number % {step} == 0") if step > 1 else ()
-    printed = script.output("-r", str(capture), *TWO_PASSES, *some, *options, "-T", "pdml")
-    for packet in ElementTree.fromstring(printed).iterfind("packet"):
+    for packet in ElementTree.fromstring(printed(settings, capture, *some, "-T", "pdml")).iterfind("packet"):
         yield [branch(layer) for layer in packet if layer.get("name") in OURS]
 
 
@@ -102,22 +160,17 @@ def of_page(item: dict[str, Any], theirs: Tree) -> Tree:
 NOTHING: Any = ("", 0, 0, [])
 
 
-def preferences(options: Sequence[str]) -> dict[str, str]:
-    """`-d rtacser.data,sis` is usual in the page."""
-    return dict(word.split(":", 1) for word in options[1::2] if ":" in word)
-
-
-def in_node(node: Callable[..., Any], options: Sequence[str], captures: Sequence[Path]) -> dict[str, Any]:
+def in_node(node: Node, settings: Settings, captures: Sequence[Path]) -> dict[str, Any]:
     """Return what the page shows of captures."""
-    preferred = [word for pair in preferences(options).items() for word in ("--prefer", *pair)]
-    found: dict[str, Any] = node("dissect.mjs", str(TREES), *preferred, *captures)
+    said = json.dumps(settings.preferences), json.dumps(settings.files)
+    found: dict[str, Any] = node("dissect.mjs", str(TREES), *said, *captures)
     return found
 
 
-def compare(shown: dict[str, Any], script: Tshark, capture: Path, options: Sequence[str]) -> None:
+def compare(shown: dict[str, Any], printed: Printed, settings: Settings, capture: Path) -> None:
     """Compare what the page shows of a capture with what tshark prints."""
-    assert [without_time(cells) for cells in shown["columns"]] == rows(script, capture, options), capture.name
-    expected = list(trees(script, capture, options, shown["step"]))
+    assert [without_time(cells) for cells in shown["columns"]] == rows(printed, settings, capture), capture.name
+    expected = list(trees(printed, settings, capture, shown["step"]))
     assert len(shown["trees"]) == len(expected)
     for number, (layers, theirs) in enumerate(zip(shown["trees"], expected, strict=True), 1):
         ours = [layer for layer in layers if layer["filter"] in OURS]
@@ -128,28 +181,39 @@ def compare(shown: dict[str, Any], script: Tshark, capture: Path, options: Seque
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(900)]
 
 
-@pytest.mark.parametrize(("options", "captures"), groups(), ids=lambda value: " ".join(map(str, value))[:40] or "none")
-def test_rows_and_trees(
-    options: tuple[str, ...], captures: list[Path], script: Tshark, node: Callable[..., Any]
-) -> None:
-    found = in_node(node, options, captures)
+def name_of(value: object) -> str:
+    words = " ".join(map(" ".join, value.pairs)) if isinstance(value, Settings) else "captures"
+    return words[:40] or "none"
+
+
+@pytest.mark.parametrize(("settings", "captures"), groups(), ids=name_of)
+def test_rows_and_trees(settings: Settings, captures: list[Path], printed: Printed, node: Node) -> None:
+    found = in_node(node, settings, captures)
     for capture in captures:
-        compare(found[str(capture)], script, capture, options)
+        compare(found[str(capture)], printed, settings, capture)
 
 
-def test_lessons_that_are_played(script: Tshark, node: Callable[..., Any]) -> None:
+def test_no_scenario_is_left_out() -> None:
+    """Also those with a table, and those of UDP."""
+    assert {path.stem for _, captures in groups() for path in captures} == {path.stem for path in scenarios()}
+    (table,) = (settings.files["sis_parameters"] for settings, _ in groups() if settings.table)
+    assert '"S","0047","Table position","mm","04220001"' in table.splitlines()
+
+
+def test_lessons_that_are_played(printed: Printed, node: Node) -> None:
     captures = played()
     assert len(captures) >= 3
     for capture in captures:
-        compare(in_node(node, (), [capture])[str(capture)], script, capture, ())
+        compare(in_node(node, Settings(), [capture])[str(capture)], printed, Settings(), capture)
 
 
-def test_chromium_shows_what_node_shows(chromium: Chromium, node: Callable[..., Any]) -> None:
+def test_chromium_shows_what_node_shows(chromium: Chromium, node: Node) -> None:
     """So chromium shows what tshark shows, too."""
     chromium.run((SCRIPT.parent / "page" / "test" / "dissecting.js").read_text())
-    for options, captures in [*groups(), ((), played()[:1])]:
-        found = in_node(node, options, captures)
-        chromium.run(f"startDissecting({json.dumps(preferences(options))}).then(() => 0)")
+    for settings, captures in [*groups(), (Settings(), played()[:1])]:
+        found = in_node(node, settings, captures)
+        said = f"{json.dumps(settings.preferences)}, {json.dumps(settings.files)}"
+        chromium.run(f"startDissecting({said}).then(() => 0)")
         for capture in captures:
             data = b64encode(capture.read_bytes()).decode()
             shown = json.loads(chromium.run(f"dissected('{data}', {TREES})"))

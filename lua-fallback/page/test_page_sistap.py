@@ -21,7 +21,8 @@ from sistap.bus.scenarios import scenario
 Job = dict[str, Any]
 PACKAGE = SCRIPT.parents[1] / "capture" / "sistap"
 # They need a library that the page has not.
-NEED_MORE = {"tables.convert", "tables.schema", "tables.store"}
+COMPARED = {"good.pcapng": "course/09-timing", "bad.pcapng": "course/10-silence"}
+NEED_MORE = {"tables.convert", "tables.judging", "tables.schema", "tables.store"}
 
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(900)]
 
@@ -97,6 +98,27 @@ def test_a_capture_becomes_the_same_log(name: str, jobs: Callable[[list[Job]], l
     command(folder, *words)
     (done,) = jobs([job(words, "out.txt", a_pcapng=capture)])
     assert b64decode(done["written"]["out.txt"]).decode() == (folder / "out.txt").read_text()
+
+
+def test_a_comparison_is_the_same_page(jobs: Callable[[list[Job]], list[Any]], folder: Path) -> None:
+    files = {name: (CAPTURES / f"{path}.pcapng").read_bytes() for name, path in COMPARED.items()}
+    words = ["compare", *files, "--format", "html", "-o", "out.html"]
+    for name, data in files.items():
+        (folder / name).write_bytes(data)
+    assert command(folder, *words) == ""
+    (done,) = jobs([job(words, "out.html", **{name.replace(".", "_"): data for name, data in files.items()})])
+    assert b64decode(done["written"]["out.html"]).decode() == (folder / "out.html").read_text()
+
+
+@pytest.mark.parametrize("name", ["accesses", "course/10-silence", "specification"])
+def test_changes_are_the_same_table(name: str, jobs: Callable[[list[Job]], list[Any]], folder: Path) -> None:
+    capture = (CAPTURES / f"{name}.pcapng").read_bytes()
+    words = ["parameters", "--changes", "--csv", "a.pcapng", "-o", "out.csv"]
+    (folder / "a.pcapng").write_bytes(capture)
+    said = command(folder, *words)
+    (done,) = jobs([job(words, "out.csv", a_pcapng=capture)])
+    assert (done["said"], done["code"]) == (said, 0)
+    assert b64decode(done["written"]["out.csv"]).decode() == (folder / "out.csv").read_text()
 
 
 @pytest.mark.parametrize("name", ["course/09-timing", "accesses", "duplex", "statistics"])

@@ -11,7 +11,8 @@ from sistap.compare.differences import Comparison
 from sistap.compare.findings import Table
 from sistap.draw import html
 
-_STYLE = """
+# Of every page, which the page for a browser has to allow.
+STYLE = """
 body { margin: 0 auto; padding: 1rem; max-width: 74rem; font: 15px/1.45 system-ui, sans-serif; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid; }
 .scroll { overflow-x: auto; }
@@ -32,7 +33,7 @@ def page(comparison: Comparison) -> str:
     )
     tables = "\n".join(map(_table, findings.tables(comparison)))
     return f"""\
-{html.begin("What has changed", _STYLE)}\
+{html.begin("What has changed", STYLE)}\
 <h1>What has changed</h1>
 <p>Good: {escape(findings.side(comparison.good))}<br>Bad: {escape(findings.side(comparison.bad))}</p>
 <table class="lines"><tbody>

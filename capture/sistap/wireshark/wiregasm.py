@@ -18,6 +18,8 @@ from sistap.wireshark.tshark import TsharkError
 _NO_CAPTURE = 'tshark: The file "{}" isn\'t a capture file in a format TShark understands.'
 _CUT = 'tshark: The file "{}" appears to have been cut short in the middle of a packet.'
 _ALONE = ("-2", "-n", "-l")  # wiregasm always reads in two passes, and resolves no names
+# It prints nothing but fields; a read filter that leaves all is for fields in the first pass, which page.lua has.
+_USUAL = {("-T", "fields"), ("-R", "frame")}
 
 
 @dataclass
@@ -57,7 +59,7 @@ class Asked:
                 self.most = int(value)
             case "-o":
                 pass
-            case _ if (option, value) != ("-T", "fields"):
+            case _ if (option, value) not in _USUAL:
                 raise TsharkError(f"Wireshark in a browser cannot do {option} {value}")
 
 

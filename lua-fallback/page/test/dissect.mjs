@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Prints what the page shows of captures, as JSON: of each file, named by arguments, {columns, step, trees}; `columns` are
 // all rows, `trees` those of at most MOST packets: of each, or of one in so many as `step` says. The arguments are
-// MOST, "--prefer NAME VALUE" for preferences, and the files.
+// MOST, preferences and files of the profile as JSON, both texts by name, and the files.
 
 import { readFileSync } from "node:fs";
 
 import { TASK, startDissector } from "./parts.mjs";
 
-const [most, ...words] = process.argv.slice(2);
-const preferences = {};
-while (words[0] === "--prefer") {
-  const [, name, value] = words.splice(0, 3);
-  preferences[name] = value;
-}
-const dissector = await startDissector();
-dissector.prefer(preferences);
+const [most, preferences, files, ...words] = process.argv.slice(2);
+const dissector = await startDissector(JSON.parse(files));
+dissector.prefer(JSON.parse(preferences));
 const found = {};
 for (const path of words) {
   const { packets } = dissector.open(TASK, readFileSync(path));

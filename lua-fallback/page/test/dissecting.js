@@ -24,12 +24,12 @@
     worker.postMessage({ id, name, args });
   });
 
-  globalThis.startDissecting = async (preferences) => {
+  globalThis.startDissecting = async (preferences, others) => {
     worker?.terminate();
     worker = new Worker(URL.createObjectURL(new Blob([await text(part("dissect.js"))], { type: "text/javascript" })));
     await new Promise((resolve) => worker.addEventListener("message", resolve, { once: true })); // it is ready
     const texts = await Promise.all(TEXTS.map(async (name) => [name, await text(part(name))]));
-    await call("start", { code: part("wireshark.wasm"), data: part("wireshark.data"), files: Object.fromEntries(texts) });
+    await call("start", { code: part("wireshark.wasm"), data: part("wireshark.data"), files: { ...Object.fromEntries(texts), ...others } });
     await call("prefer", preferences);
   };
 

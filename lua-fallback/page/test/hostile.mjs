@@ -3,7 +3,7 @@
 
 import { isManifold } from "../src/dissect/pcapng.js";
 import { fileName } from "../src/front/files.js";
-import { asCsv } from "../src/front/statistics.js";
+import { asCsv, fromCsv } from "../src/front/csv.js";
 import { Peer, serve } from "../src/protocol.js";
 
 const blocks = (...numbers) => new Uint8Array(Uint32Array.from(numbers.flat()).buffer);
@@ -40,6 +40,7 @@ async function afterwards(error) {
 process.stdout.write(JSON.stringify({
   cut: cutPackets(),
   names: ["log.pcapng", "imported.pcapng", "-w.txt", "../../x", "..", "<img src=x>.log", ""].map(fileName),
+  read: fromCsv(asCsv([JSON.parse(process.argv[2]), ['say "no"', "a,b", "two\r\nlines", "x"]])),
   csv: asCsv([JSON.parse(process.argv[2])]),
   broken: await afterwards(new WebAssembly.RuntimeError("Aborted(OOM)")),
   stack: await afterwards(new RangeError("Maximum call stack size exceeded")),

@@ -26,12 +26,14 @@ function loader() {
   return module.exports;
 }
 
-export function startDissector() {
+// `others` are more files of the profile, by name.
+export function startDissector(others = {}) {
   const names = ["preferences", "colorfilters", "dmacros"];
   const files = {
     "page.lua": readFileSync(join(here, "src", "dissect", "page.lua")),
     "sis.lua": readFileSync(join(here, "..", "sis.lua")),
     ...Object.fromEntries(names.map((name) => [name, readFileSync(join(profile, name))])),
+    ...others,
   };
   return Dissector.start(loader(), files, { locateFile: (name) => join(wiregasm, name) });
 }

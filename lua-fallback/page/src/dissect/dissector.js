@@ -49,7 +49,7 @@ export class Dissector {
     FS.writeFile("/plugins/page.lua", page); // Wireshark loads them in this order
     FS.writeFile("/plugins/sis.lua", script);
     FS.mkdirTree(PROFILE);
-    for (const [name, text] of Object.entries({ ...profile, ...OWN_FILES })) FS.writeFile(`${PROFILE}/${name}`, text);
+    for (const [name, text] of Object.entries({ ...OWN_FILES, ...profile })) FS.writeFile(`${PROFILE}/${name}`, text);
     this.library.init();
   }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A numeric field over the time of the capture, from Wireshark's I/O graphs: its least and greatest value in each step.
 
+import { asCsv } from "./csv.js";
 import { button, element, save } from "./dom.js";
-import { asCsv } from "./statistics.js";
 import { shape } from "./svg.js";
 
 const STEPS = 900; // in the width of the picture

@@ -2,8 +2,8 @@
 // Saves what is shown: packets, their rows, their trees; long data that Wireshark has put together; the log, explained.
 
 import { isPcapng, only } from "../dissect/pcapng.js";
+import { asCsv } from "./csv.js";
 import { button, element, plural, save } from "./dom.js";
-import { asCsv } from "./statistics.js";
 import { callTap } from "./tap.js";
 
 const TOGETHER = 200; // rows that are fetched at once

@@ -16,19 +16,23 @@ const head = (bytes) => Array.from(bytes.subarray(0, 4), (byte) => byte.toString
 const isCapture = (bytes) => CAPTURES.includes(head(bytes)) || head(bytes).startsWith(PACKED);
 
 export async function openBytes(capture, name, bytes, { pattern = "" } = {}) {
-  if (isCapture(bytes)) {
-    await capture.open(name, bytes);
-    return /^USB/.test(capture.link) ? importBytes(capture, name, bytes) : undefined;
-  }
+  const { made, log } = await captureOf(capture, name, bytes, pattern);
+  await capture.open(name, made, log && { log, number: FIRST });
+  if (made === bytes && /^USB/.test(capture.link)) await capture.open(name, await imported(capture, name, bytes, []));
+}
+
+// Makes a capture of a file, unless it is one: {made, log}; `log` has the lines of a log.
+export async function captureOf(capture, name, bytes, pattern = "") {
+  if (isCapture(bytes)) return { made: bytes };
   let log;
   try {
     log = await capture.long(`Reading ${name}`, (options) => callTap("log", [fileName(name), bytes, pattern], options));
   } catch (error) {
     throw Object.assign(error, /has no bytes|regular expression|no group/.test(error.message) ? { log: { name, bytes } } : {});
   }
-  if (!log) return importBytes(capture, name, bytes);
+  if (!log) return { made: await imported(capture, name, bytes, []) };
   const { capture: made, ...lines } = log;
-  return capture.open(name, made, { log: { ...lines, bytes, pattern }, number: FIRST });
+  return { made, log: { ...lines, bytes, pattern } };
 }
 
 export async function openPasted(capture, text) {
@@ -37,12 +41,14 @@ export async function openPasted(capture, text) {
 }
 
 // `words` are options of `sistap import`, such as ["--baud", "9600"].
-export async function importBytes(capture, name, bytes, words = []) {
+export const importBytes = async (capture, name, bytes, words) => capture.open(name, await imported(capture, name, bytes, words));
+
+async function imported(capture, name, bytes, words) {
   const file = fileName(name);
   const { code, said, written } = await capture.long(`Importing ${name}`, (options) =>
     callTap("command", [["import", file, "-w", IMPORTED, ...words], { [file]: bytes }, [IMPORTED]], options));
   if (code) throw Object.assign(new Error(said.trim()), { import: { name, bytes } });
-  return capture.open(name, written[IMPORTED]);
+  return written[IMPORTED];
 }
 
 // A name that is safe in a folder of its own, beside options and beside what is written there.

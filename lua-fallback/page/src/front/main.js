@@ -5,6 +5,8 @@ import { Stopped } from "../protocol.js";
 import { Answer } from "./answer.js";
 import { Bytes } from "./bytes.js";
 import { Capture } from "./capture.js";
+import { changesView } from "./changes.js";
+import { compareView } from "./compare.js";
 import { learnView } from "../learn/learn.js";
 import { curveView } from "./curve.js";
 import { about, askImport, askLimits, askPattern } from "./dialogs.js";
@@ -32,7 +34,8 @@ const views = {};
 let shown = ""; // the name of the view that is seen
 
 const PAGES = { open: "Open", listen: "Listen", play: "Play", learn: "Learn" };
-const OF_CAPTURE = { answer: "Answer", packets: "Packets", findings: "Findings", statistics: "Statistics", curve: "Curve", report: "Report" };
+const OF_CAPTURE = { answer: "Answer", packets: "Packets", findings: "Findings", statistics: "Statistics", curve: "Curve", changes: "Changes", report: "Report",
+  compare: "Compare" };
 
 function trouble(error) {
   find("#trouble").textContent = error ? error.message ?? String(error) : "";
@@ -163,7 +166,9 @@ async function begin() {
     findings: findingsView(capture, acts),
     statistics: statisticsView(capture, acts),
     curve: curveView(capture, profile, acts),
+    changes: changesView(capture, acts),
     report: reportView(capture, acts),
+    compare: compareView(capture, acts),
     follow: followView(capture, acts),
   });
   find("#main").append(...Object.values(views));
@@ -185,7 +190,10 @@ async function begin() {
     route();
   });
   addEventListener("beforeunload", (event) => capture.live && event.preventDefault()); // the browser asks
-  addEventListener("hashchange", route);
+  addEventListener("hashchange", () => {
+    trouble(""); // it was about the view before
+    route();
+  });
   route();
   await capture.viewer;
   document.documentElement.dataset.ready = "true";

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // What `sistap report` says of the capture that is open, and its page.
 
-import { button, element, save } from "./dom.js";
+import { button, element } from "./dom.js";
 import { fileName } from "./files.js";
+import { framed } from "./framed.js";
 import { callTap } from "./tap.js";
 
 const LIMITS = { "sis.tza_ms": "--tza", "sis.trs_ms": "--trs" }; // preferences that are options, too
@@ -24,18 +25,15 @@ export async function reported(capture, format, options) {
 const ASKS_LIMIT = /add --(tza|trs) MS/;
 
 export function reportView(capture, { showing, tellLimits }) {
-  const frame = element("iframe", { title: "Report", sandbox: "", className: "report-frame" });
-  const bar = element("p", { className: "report-bar" });
+  const page = framed("Report");
   const root = element("section", { className: "report", "aria-labelledby": "report-title" },
-    element("h1", { id: "report-title", className: "visually-hidden" }, "Report"), bar, frame);
+    element("h1", { id: "report-title", className: "visually-hidden" }, "Report"), page.bar, page.frame);
   let of = null; // the bytes that the report is about
   root.enter = () => of === capture.bytes || showing(async () => {
     of = capture.bytes;
     try {
-      const page = await capture.long("Making the report", (options) => reported(capture, "html", options));
-      frame.srcdoc = new TextDecoder().decode(page);
-      bar.replaceChildren(button("Save the report", () => save(`${capture.name}.html`, page, "text/html")));
-      if (ASKS_LIMIT.test(frame.srcdoc)) bar.append(" The capture does not set TzA or TrS. If you know them, tell them here: ", button("Limits", tellLimits));
+      page.show(await capture.long("Making the report", (options) => reported(capture, "html", options)), `${capture.name}.html`);
+      if (ASKS_LIMIT.test(page.frame.srcdoc)) page.bar.append(" The capture does not set TzA or TrS. If you know them, tell them here: ", button("Limits", tellLimits));
     } catch (error) {
       of = null;
       throw error;
@@ -43,8 +41,7 @@ export function reportView(capture, { showing, tellLimits }) {
   });
   capture.addEventListener("opened", () => {
     of = null;
-    frame.removeAttribute("srcdoc");
-    bar.replaceChildren();
+    page.clear();
   });
   return root;
 }

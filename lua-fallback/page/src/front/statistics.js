@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The statistics of sis.lua, which prints them as text, as tables.
 
+import { asCsv } from "./csv.js";
 import { button, element, save, table } from "./dom.js";
 
 const NUMBER = /^[<>=]*-?[\d.]+$/;
@@ -22,13 +23,6 @@ function indented(line) {
   const [, blanks, words, count] = line.match(/^( *)(.*?) +(\d+)$/) ?? [null, "", line, ""];
   return [`${" ".repeat(2 * blanks.length)}${words}`, count];
 }
-
-// A text that a spreadsheet would calculate gets a ' before it, as in `sistap parameters --csv`; numbers with units stay.
-const FORMULA = /^[=+\-@\t\r]/, QUANTITY = /^[+-][\d.,]+(e[+-]?\d+)?( [\p{L}\p{N}_°%/²³·^]*)?$/u;
-const safe = (cell) => (FORMULA.test(cell) && !QUANTITY.test(cell) ? `'${cell}` : cell);
-const quoted = (cell) => (/[",\r\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
-
-export const asCsv = (rows) => rows.map((row) => `${row.map((cell) => quoted(safe(cell))).join(",")}\r\n`).join("");
 
 export function statisticsView(capture, { applyFilter, showing }) {
   const body = element("div", {});
