@@ -72,6 +72,8 @@ def show(browser: Chromium, view: str) -> None:
     browser.until("document.querySelector('main > :not([hidden])')")
     if view == "report":
         browser.until("document.querySelector('.report-frame').srcdoc")
+    if view == "changes":
+        browser.until("document.querySelector('[aria-labelledby=changes-title]').children[2].textContent")
     if view == "compare" and not browser.run(COMPARED):
         compare_with(browser, ANOTHER)
     if view == "play":
@@ -149,6 +151,9 @@ def test_what_has_no_limit_is_not_judged(chromium: Chromium, tmp_path: Path) -> 
     assert "No fault found" in said
     assert "That is unusual: look at it." in said
     assert "Not judged: reaction times (no TrS), intervals in telegrams (no TzA)." in said
+    chromium.click("Late")
+    chromium.until("/^0 of 17 packets.*with Limits/.test(document.querySelector('#filter-said').textContent)")
+    chromium.click("Clear")
     assert chromium.run(f"[...{bar}.classList]") == ["answer-bar"]  # neither green nor red
     for view in ("report", "answer"):
         show(chromium, view)
@@ -243,8 +248,11 @@ def test_after_a_log_the_bus_has_no_log(chromium: Chromium, tmp_path: Path) -> N
     chromium.click("Play live")
     chromium.until("document.querySelector('#open-name').textContent === 'demo.pcapng'")
     assert chromium.run("document.querySelector('.log-pane').hidden") is True
+    chosen = "Number(document.querySelector('.row.selected')?.children[0].textContent ?? 0)"
+    chromium.until(f"{chosen} > 5")
     chromium.click("Stop")
     chromium.until("!document.querySelector('.live-bar') && document.querySelector('#busy').hidden")
+    assert chromium.run(chosen) > 5  # who stops at what he has seen still sees it
 
 
 def test_the_example_is_a_telegram(chromium: Chromium) -> None:
@@ -341,8 +349,8 @@ def test_axe_finds_nothing(width: int, dark: bool, chromium: Chromium, npm: Path
         assert found == [], view
 
 
-def test_no_view_is_wider_than_a_telephone(chromium: Chromium) -> None:
-    choose(chromium, CAPTURE)
+def test_no_view_is_wider_than_a_telephone(chromium: Chromium, tmp_path: Path) -> None:
+    choose(chromium, capture_of(300, tmp_path))
     chromium.size(TELEPHONE, 740)
     for view in VIEWS:
         show(chromium, view)

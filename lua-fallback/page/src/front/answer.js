@@ -64,13 +64,18 @@ export class Answer {
     this.bar.className = `answer-bar ${KINDS[first.split(",")[0]] ?? ""}`;
     this.bar.replaceChildren(element("b", {}, first), " ", ...this.slowest(), ...this.silent(), ...this.unjudged(), " ", element("a", { href: "#answer" }, "What happened"));
     this.body.replaceChildren(element("ul", { className: "answer" }, ...[first, ...lines].map((line) => element("li", {}, line))),
-      element("p", {}, ...this.unjudged()), ...this.stations(), ...this.episodes());
+      ...this.asked(), ...this.stations(), ...this.episodes());
   }
 
   // What cannot be judged, because neither the bus nor a person has told the limit.
   unjudged() {
     const { not_judged: words } = this.found;
     return words.length ? [` Not judged: ${words.join(", ")}. `, button("Limits", this.tellLimits)] : [];
+  }
+
+  asked() {
+    if (!this.found.not_judged.length) return [];
+    return [element("p", {}, "If you know these limits, tell them: ", button("Limits", this.tellLimits))];
   }
 
   // The stations that answer, the slowest one first.

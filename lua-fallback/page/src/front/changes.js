@@ -32,8 +32,8 @@ export function changesView(capture, acts) {
     const { bytes } = capture;
     const { csv, changes } = await capture.long("Looking for changes", (options) => changed(capture, options));
     of = bytes;
-    body.replaceChildren(...(changes.length ? draw(changes, acts) : [element("p", {}, "No write changed a value.")]),
-      element("p", {}, button("Save all as CSV", () => save(`${capture.name}-changes.csv`, csv, "text/csv"))));
+    const saving = button("Save all as CSV", () => save(`${capture.name}-changes.csv`, csv, "text/csv"));
+    body.replaceChildren(...(changes.length ? [...draw(changes, acts), saving] : [element("p", {}, "No write changed a value.")]));
   });
   capture.addEventListener("opened", () => {
     of = null;
@@ -58,7 +58,7 @@ function draw(changes, acts) {
   const select = element("select", { id: "changed", onchange: show }, element("option", { value: "" }, "all parameters"),
     ...rare.map(([name, count]) => element("option", { value: name }, `${name} (${count})`)));
   show();
-  return [element("p", { className: "form-line" }, element("label", { htmlFor: "changed" }, "Of"), select), place];
+  return [element("p", { className: "form-line" }, element("label", { htmlFor: "changed" }, "Show"), select), place];
 }
 
 function tableOf(changes, { goTo, applyFilter }) {

@@ -5,6 +5,7 @@ import { button, element } from "./dom.js";
 
 const WORD = /[\w.]+$/; // what is typed before the cursor
 const SHOWN = 12; // completions
+const OF_LIMITS = /\bsis\.(tza|trs)\.verdict\b/; // nothing has one where no limit is known
 
 export class FilterBar {
   constructor(capture, buttons) {
@@ -43,6 +44,7 @@ export class FilterBar {
     this.input.value = filter;
     this.judge("");
     this.said.textContent = filter ? `${matched.toLocaleString("en")} of ${packets.toLocaleString("en")} packets` : "";
+    if (!matched && OF_LIMITS.test(filter)) this.said.append(". TzA and TrS judge what is late: if the bus did not tell them, tell them with Limits.");
   }
 
   judge(trouble) {

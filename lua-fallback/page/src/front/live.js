@@ -97,8 +97,8 @@ export class Live {
     if (this.file && !this.isBroken) {
       await this.file.close();
     } else {
-      const { filter, isFollowing, preferences } = this.capture;
-      const number = this.leftOut || isFollowing ? 0 : this.capture.number;
+      const { filter, preferences } = this.capture;
+      const number = this.capture.number + this.leftOut; // what was looked at
       const said = await openWhole(this.capture, this.source.name, await this.kept.whole(), { filter, number, preferences });
       if (said) this.capture.note(`${said} The list has its last records.`);
     }

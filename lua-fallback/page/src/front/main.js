@@ -66,7 +66,7 @@ const opening = (work, { stays = false } = {}) => showing(async () => {
 // One capture is open at a time.
 const openFiles = ([file, ...others]) => file && opening(async () => {
   await openBytes(capture, file.name, new Uint8Array(await file.arrayBuffer()));
-  if (others.length) capture.note(`Only ${file.name} is open. Drop one file at a time.`);
+  if (others.length) capture.note(`Only ${file.name} is open. Compare takes a second one.`);
 });
 
 const goTo = (number) => showing(async () => {

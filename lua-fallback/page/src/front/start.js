@@ -17,6 +17,8 @@ export function startView({ left, openFiles, openPasted }) {
       element("label", { htmlFor: "chooser", className: "button large" }, "Choose a file"),
       element("p", {}, "Captures of Wireshark (pcapng, pcap), logs of Docklight, HTerm and other programs, ",
         "recordings of USB and logic analysers. Nothing leaves this computer.")),
+    element("p", {}, "No file? ", element("a", { href: "#listen" }, "Listen at an adapter"), ", ",
+      element("a", { href: "#play" }, "play a bus without a drive"), ", or ", element("a", { href: "#learn" }, "learn what is on it"), "."),
     element("form", { className: "paste", onsubmit: (event) => {
       event.preventDefault();
       openPasted(pasted.value);
