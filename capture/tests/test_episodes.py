@@ -20,6 +20,7 @@ from report_capture import ANSWER, READ, Sent, write
 from sistap import cli
 from sistap.accesses.access import Access, Parameter
 from sistap.episodes.book import MOST, Book
+from sistap.episodes.engine import Engine
 from sistap.episodes.episode import PACKETS, Hit
 from sistap.episodes.levels import Levels
 from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Subject
@@ -148,6 +149,30 @@ def test_a_threshold_can_be_changed(
     exchange = [Sent(READ), Sent(ANSWER)] * 2
     capture = write(tmp_path / "dead.pcapng", [*exchange, Sent(READ, silence_ms=300_000.0), Sent(ANSWER)])
     assert len(told(capsys, "--rule", f"bus_silent_s={longest_s}", "--rule", "silent_s=2", capture)) == count
+
+
+@pytest.mark.parametrize("command", ["compare", "annotate", "tables"])
+def test_every_command_has_the_same_rules(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    """A capture with a silence of five minutes is no longer unusual."""
+    exchange = [Sent(READ), Sent(ANSWER)] * 2
+    good = write(tmp_path / "good.pcapng", exchange)
+    dead = write(tmp_path / "dead.pcapng", [*exchange, Sent(READ, silence_ms=300_000.0), Sent(ANSWER)])
+    (tmp_path / "log.txt").write_text(cli_output(capsys, "log", str(dead)))
+    arguments = {"compare": [good, dead], "annotate": [tmp_path / "log.txt"], "tables": [dead, "-o", tmp_path / "t"]}
+    finished: list[Any] = []
+    finish = Engine.finish
+    monkeypatch.setattr(Engine, "finish", lambda engine: finished.append(finish(engine)) or finished[-1])
+    for longest_s, count in (("299", 1), ("301", 0)):
+        assert cli.main([command, *map(str, arguments[command]), "--rule", f"bus_silent_s={longest_s}"]) == 0
+        assert sum(episode.kind == "bus_silent" for episode in finished[-1]) == count
+
+
+def cli_output(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    capsys.readouterr()
+    assert cli.main([*arguments]) == 0
+    return capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

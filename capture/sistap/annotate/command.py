@@ -24,6 +24,7 @@ from sistap.annotate.troubles import Troubles
 from sistap.common import temporary
 from sistap.common.garbage import uncollected
 from sistap.common.writing import Incomplete, NotOpened, opened
+from sistap.episodes.options import add_rule
 from sistap.explain import advice
 from sistap.explain.fields import Fields
 from sistap.files.output import Output, OutputError, OutputRefused, ReaderGone
@@ -96,6 +97,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a pattern (regular expression) for a line of the log, with the names of text2pcap: (?<data>...) is the "
         "bytes in hexadecimal; (?<time>...) and (?<dir>...) are optional; lines that do not fit are left out",
     )
+    add_rule(parser)
     parser.add_argument("--framing", type=argument(Cut.parse), default=SIS, metavar=WORDS, help=HELP)
 
 
@@ -216,7 +218,7 @@ def _explain_whole(
         spool = stack.enter_context(Spool())
         with opened(str(capture), cure="name a larger folder with TMPDIR") as blocks:
             annotating.record(_batches(args, source, console), passage, _name(args), blocks.write, spool)
-        sayer = WholeCapture(tshark, fields, capture)
+        sayer = WholeCapture(tshark, fields, capture, args.thresholds)
         annotator: Annotator = TextAnnotator(file.write)
         if args.format == "html":
             annotator = PageAnnotator(file.write, _name(args), Meanings(stack.enter_context(Tshark()), capture))

@@ -15,6 +15,7 @@ from typing import Protocol
 from sistap.annotate.blocks import Blocks
 from sistap.episodes.engine import Engine
 from sistap.episodes.lines import NOT_OK, lines, verdict
+from sistap.episodes.rules import THRESHOLDS, Thresholds
 from sistap.explain import advice
 from sistap.explain.fields import Fields, Said, said
 from sistap.explain.running import Running as Process
@@ -38,10 +39,10 @@ class Explainer(Protocol):
 class WholeCapture:
     """Explains the records of a complete capture file, without its event."""
 
-    def __init__(self, tshark: Tshark, fields: Fields, capture: Path) -> None:
+    def __init__(self, tshark: Tshark, fields: Fields, capture: Path, thresholds: Thresholds = THRESHOLDS) -> None:
         """Explain it by these fields, which are those of a Packet, too."""
         self._fields = fields
-        self._engine = Engine()
+        self._engine = Engine(thresholds=thresholds)
         self._times_s: list[float] = []  # of the first and the last packet
         self._lines = tshark.lines(["-r", str(capture), "-2", *self._fields.arguments])
         next(self._lines, None)

@@ -13,6 +13,8 @@ from sistap.compare import plain
 from sistap.compare.differences import Comparison, compare
 from sistap.compare.page import page
 from sistap.compare.side import read
+from sistap.episodes.engine import Engine
+from sistap.episodes.options import add_rule
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.terminal.writing import FORCE
@@ -61,6 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             f"--{side}", metavar="CAPTURE", type=Path, nargs="+", help=f"captures of the time when {time}"
         )
     parser.add_argument("--format", choices=FORMATS, default="text", help="what to write (default: text)")
+    add_rule(parser)
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
     parser.add_argument("--force", action="store_true", help=FORCE)
 
@@ -72,8 +75,9 @@ def run(args: argparse.Namespace) -> int:
         good, bad = _sides(args)
         progress = console.progress if console.shows_progress else _silent
         with Tshark() as tshark, opened(args.output, [*good, *bad], force=args.force) as file:
-            before = read(tshark, good, console.say, progress)
-            comparison = compare(before, read(tshark, bad, console.say, progress, before))
+            before = read(tshark, good, console.say, progress, Engine(thresholds=args.thresholds))
+            engine = Engine(before.engine, args.thresholds)
+            comparison = compare(before, read(tshark, bad, console.say, progress, engine))
             if console.shows_progress:
                 console.progress("")
             file.write(FORMATS[args.format](comparison).encode())

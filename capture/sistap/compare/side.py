@@ -100,13 +100,13 @@ def read(
     captures: Iterable[Path],
     say: Callable[[str], None],
     progress: Callable[[str], None],
-    good: Side | None = None,
+    engine: Engine,
 ) -> Side:
-    """Read the captures of a side; what was usual on the good one is usual. Report damage.
+    """Read the captures of a side. Report damage.
 
     NotACapture, TsharkError.
     """
-    side = Side(engine=Engine(good.engine if good else None))
+    side = Side(engine=engine)
     for capture in in_order(captures):
         last_s = 0.0
         side.names.append(capture.name)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import functools
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +15,7 @@ from sistap.captures.reading import NotCaptured
 from sistap.captures.since import Since
 from sistap.common.writing import Incomplete, NotOpened, opened
 from sistap.draw.svg import stacked
-from sistap.episodes.rules import THRESHOLDS, changed
+from sistap.episodes.options import add_rule
 from sistap.report import plain, windows
 from sistap.report.gather import Report, gather
 from sistap.report.page import page
@@ -92,12 +91,6 @@ def _heading(text: str) -> str:
     """Return a text that a page can show, whatever the shell has passed on."""
     return visible(text, keep="\n")
 
-
-def _rule(text: str) -> str:
-    changed(THRESHOLDS, text)
-    return text
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.description = DESCRIPTION
@@ -138,16 +131,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="tell what happened from TIME on: 06:00, a date, or so long before the end of the last CAPTURE: 30m, 8h, "
         "2d; what came before only says what is usual",
     )
-    parser.add_argument(
-        "--rule",
-        dest="rules",
-        metavar="NAME=VALUE",
-        type=argument(_rule),
-        action="append",
-        default=[],
-        help="change from where on something is unusual, for example bus_silent_s=10; can be given several times; a "
-        "wrong NAME lists all",
-    )
+    add_rule(parser)
     parser.add_argument(
         "--title",
         default="",
@@ -205,10 +189,9 @@ def _gather(args: argparse.Namespace, console: Console, *, has_windows: bool) ->
     captures, since_s = in_order(args.captures), -math.inf
     if args.since:
         captures, since_s = since.recent(captures, args.since)
-    thresholds = functools.reduce(changed, args.rules, THRESHOLDS)
     with Tshark() as tshark, together(captures, console.say) as joined:
         report = gather(
-            tshark, joined.path, args.window, progress, limits_ms, since_s, thresholds, has_windows=has_windows
+            tshark, joined.path, args.window, progress, limits_ms, since_s, args.thresholds, has_windows=has_windows
         )
     if len(captures) > 1:
         report.name = visible(f"{len(captures)} files, {captures[0].name} to {captures[-1].name}")

@@ -10,6 +10,7 @@ from pathlib import Path
 from sistap.captures.joining import check_captures, in_order
 from sistap.common.packages import missing
 from sistap.common.writing import Incomplete, make_folder
+from sistap.episodes.options import add_rule
 from sistap.tables.rows import NoSuchTime
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE, UsageError
@@ -59,6 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         required=True,
         help="the folder of the tables; created if missing",
     )
+    add_rule(parser)
     parser.add_argument("--tap", metavar="NAME", default="", help="the name of the tap (default: the name of its port)")
 
 
@@ -85,7 +87,7 @@ def _put(args: argparse.Namespace, console: Console) -> None:
 
     store, tap = Store(args.output), slug(args.tap) if args.tap else ""
     with Tshark() as tshark:
-        put(tshark, in_order(args.captures), store, tap, console)
+        put(tshark, in_order(args.captures), store, tap, args.thresholds, console)
 
 
 def _check(args: argparse.Namespace) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import sistap
 from sistap.common.garbage import uncollected
+from sistap.episodes.rules import Thresholds
 from sistap.packets.dissection import Dissection, Packet
 from sistap.tables.judging import Judging
 from sistap.tables.rows import FIELDS, Row, rows
@@ -20,16 +21,18 @@ from sistap.wireshark.tshark import Tshark
 _PROGRESS_EVERY = 5000  # packets
 
 
-def put(tshark: Tshark, captures: Sequence[Path], store: Store, tap: str, console: Console) -> None:
+def put(  # noqa: PLR0913 - each comes from another part
+    tshark: Tshark, captures: Sequence[Path], store: Store, tap: str, thresholds: Thresholds, console: Console
+) -> None:
     """Add captures to the tables, in the order of their time, and report the results.
 
     What happened is judged over all of them, so known ones are read again if one is new. Raise NotACapture,
     TsharkError, Incomplete or NoSuchTime.
     """
     digests = [_digest(capture, tap) for capture in captures]
-    judged = hashlib.blake2b("".join(digests).encode()).hexdigest()[:32]
+    judged = hashlib.blake2b("".join([*digests, str(thresholds)]).encode()).hexdigest()[:32]
     is_judged = store.has(judged)
-    judging = Judging()
+    judging = Judging(thresholds)
     for capture, digest in zip(captures, digests, strict=True):
         is_known = store.has(digest)
         if is_known:

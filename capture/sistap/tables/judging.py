@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from sistap.episodes.engine import Engine
 from sistap.episodes.episode import Episode
+from sistap.episodes.rules import Thresholds
 from sistap.packets.dissection import Packet
 from sistap.tables.rows import Row, of_episode
 from sistap.tables.schema import TABLES
@@ -26,11 +27,11 @@ class _Part(NamedTuple):
 class _Course:
     """Captures that continue one another."""
 
-    def __init__(self) -> None:
+    def __init__(self, thresholds: Thresholds) -> None:
         self.ended_s = -math.inf
         self._packets = 0
         self._parts: list[_Part] = []
-        self._engine = Engine()
+        self._engine = Engine(thresholds=thresholds)
 
     def begin(self, file: str, begin_s: float) -> None:
         """Go on with the next capture."""
@@ -64,7 +65,8 @@ class Judging:
     own: it is another line, or has a part of another capture, and would be counted twice.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, thresholds: Thresholds) -> None:
+        self._thresholds = thresholds
         self._courses: list[_Course] = []
         self.name = ""  # stays the same if more captures come
 
@@ -92,6 +94,6 @@ class Judging:
     def _continued(self, begin_s: float) -> _Course:
         ended = [course for course in self._courses if course.ended_s <= begin_s]
         if not ended:
-            ended = [_Course()]
+            ended = [_Course(self._thresholds)]
             self._courses += ended
         return max(ended, key=lambda course: course.ended_s)
