@@ -21,7 +21,7 @@ It has a room for each job. A room may use those named beside it, and what these
     packets                 accesses, captures         packets and telegrams as the dissector says them, and their times
     episodes                packets                    what happened: faults, silences, changes, with their times
     explain                 files, wireshark           what tshark says of records, also while they come
-    recorder                capture, explain           `sistap record`: what matters, in files of its own
+    recorder                capture, episodes, explain  `sistap record`: what matters, in files of its own
     serve                   capture, wire              `sistap serve`: a line of this computer, heard at others
     bus                     captures, wire             `sistap bus` and `replay`: a bus in software
     beside                  captures, wireshark, draw  two captures of the same traffic compared

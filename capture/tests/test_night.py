@@ -227,7 +227,8 @@ def test_the_recorder_keeps_three_files(tmp_path: Path) -> None:
     bus.communicate()
     assert done.returncode == 0, done.stderr
     files = sorted((tmp_path / "kept").iterdir())
-    assert [path.name.split("_")[2] for path in files] == ["write.pcapng", "unanswered.pcapng", "unanswered.pcapng"]
+    reasons = [path.stem.split("_", 2)[2] for path in files]
+    assert reasons == ["master_write", "repeated", "repeated"]
     assert "3 files kept" in done.stderr
     begun, told, *kept = reading.records(files[0])
     assert WRITE.timestamp() - 60 < seconds(begun) < WRITE.timestamp() + 1  # not the time of this machine

@@ -20,7 +20,8 @@ from portable import posix, sockets
 
 from sistap import cli
 from sistap.captures import reading
-from sistap.explain.relay import Seams
+from sistap.episodes.live import LIVE
+from sistap.explain.relay import Entry, Judged, Seams
 from sistap.explain.running import ordinary_children
 from sistap.files import output as output_module
 from sistap.files.output import Limits, Output, OutputError
@@ -31,11 +32,11 @@ from sistap.recorder import notifier, retention
 from sistap.recorder import recorder as recorder_module
 from sistap.recorder.keeper import Around
 from sistap.recorder.notifier import Notifier
-from sistap.recorder.reasons import PRESETS, Reasons, word
+from sistap.recorder.reasons import word
 from sistap.recorder.recorder import Recorder, Wanted
+from sistap.recorder.watching import Judge, judges
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Record, Type, event
-from sistap.sis.faults import FAULTS
 from sistap.terminal.exits import UsageError
 from sistap.wireshark.tshark import Tshark
 
@@ -64,6 +65,10 @@ def play(recorder: Recorder, traffic: list[Record]) -> None:
     recorder.end(traffic[-1].time_ns)
 
 
+def by(tshark: Tshark, *keep: str) -> list[Judge]:
+    return judges(tshark, keep, LIVE)
+
+
 Keep = Callable[..., Recorder]
 
 
@@ -73,8 +78,7 @@ def keep(tshark: Tshark, tmp_path: Path, traffic: list[Record]) -> Keep:
         *filters: str, before_s: float = 0.2, after_s: float = 0.1, at_most: int = 100, **more: object
     ) -> Recorder:
         around = Around(int(before_s * SECOND), int(after_s * SECOND))
-        wanted = Wanted(tmp_path, Reasons(filters), around, at_most, **more)  # type: ignore[arg-type]
-        wanted.reasons.check(tshark)
+        wanted = Wanted(tmp_path, by(tshark, *filters), around, at_most, **more)  # type: ignore[arg-type]
         recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said))
         play(recorder, traffic)
         return recorder
@@ -144,7 +148,7 @@ def test_a_file_stands_alone(keep: Keep, tmp_path: Path) -> None:
 def test_it_is_named_by_time_and_reason(keep: Keep, traffic: list[Record], tmp_path: Path) -> None:
     keep("faults")
     names = [file.name for file in kept(tmp_path)]
-    word = "(_(damaged|unanswered|error-reaction|repeated))+"
+    word = "(_(damaged|unanswered|error|repeated))+"
     assert all(re.fullmatch(rf"kept_\d{{14}}\.\d{{3}}{word}\.pcapng", name) for name in names), names
     assert any(name.endswith("_damaged.pcapng") for name in names)
     assert any("_damaged_" in name for name in names) and len(names) == len({name[:22] for name in names})
@@ -174,7 +178,7 @@ def test_files_of_an_earlier_ring_go_too(tmp_path: Path) -> None:
 
 def test_repeats_go_before_the_first_of_each_reason(tmp_path: Path) -> None:
     """A wrong value is written twice, and late reactions follow."""
-    names = ["write", "write_trs-exceeded", *["trs-exceeded"] * 9, "lost", "trs-exceeded"]
+    names = ["write", "write_late", *["late"] * 9, "lost", "late"]
     for number, name in enumerate(names):
         retention.new_name(tmp_path, number * SECOND, name).touch()
     for at_most, left in ((20, range(13)), (6, [0, 1, 9, 10, 11, 12]), (4, [0, 1, 11, 12]), (1, [12])):
@@ -187,12 +191,6 @@ def test_a_second_name_in_a_moment_is_no_reason(tmp_path: Path) -> None:
         retention.new_name(tmp_path, 0, "lost").touch()
     retention.kept(tmp_path, 2, lambda said: pytest.fail(said)).prune()
     assert [path.name.rpartition("_")[2] for path in kept(tmp_path)] == ["lost-2.pcapng", "lost.pcapng"]
-
-
-def test_of_several_reasons_the_worst_is_the_word() -> None:
-    """Whatever the order of the options."""
-    refused = {"sis.service": "31", "sis.status": "1"}
-    assert {Reasons(keep).word(refused) for keep in (("writes", "faults"), ("faults", "writes"))} == {"error-reaction"}
 
 
 def test_two_files_of_one_moment_have_two_names(tmp_path: Path) -> None:
@@ -249,7 +247,7 @@ def test_a_disk_that_is_full_is_told_once_and_the_capture_goes_on(
     monkeypatch.setattr(output_module, "_open", lambda *_, **__: (os.open(full, os.O_WRONLY), False))
     monkeypatch.setattr(retention, "new_name", lambda *_: tmp_path / "kept.pcapng")
     said: list[str] = []
-    wanted = Wanted(tmp_path, Reasons(["sis.checksum.status == 0"]), Around(SECOND, SECOND), 5)
+    wanted = Wanted(tmp_path, by(tshark, "sis.checksum.status == 0"), Around(SECOND, SECOND), 5)
     recorder = Recorder(wanted, tshark, LINE, said.append)
     recorder.begin(traffic[0])
     assert all(map(recorder.write, traffic[1:]))
@@ -260,7 +258,7 @@ def test_a_disk_that_is_full_is_told_once_and_the_capture_goes_on(
 def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:
     output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
     ring = PcapngWriter(output, LINE, Counters())
-    wanted = Wanted(tmp_path, Reasons(["faults"]), Around(SECOND, SECOND), 5)
+    wanted = Wanted(tmp_path, by(tshark, "faults"), Around(SECOND, SECOND), 5)
     recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
     play(recorder, traffic)
     output.close()
@@ -274,7 +272,7 @@ def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path)
 def test_a_folder_that_is_moved_away_ends_nothing(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:
     said: list[str] = []
     output = Output(str(tmp_path / "ring.pcapng"))
-    wanted = Wanted(tmp_path / "kept", Reasons(["sis.checksum.status == 0"]), Around(SECOND, SECOND), 5)
+    wanted = Wanted(tmp_path / "kept", by(tshark, "sis.checksum.status == 0"), Around(SECOND, SECOND), 5)
     wanted.folder.mkdir()
     recorder = Recorder(wanted, tshark, LINE, said.append, ring=PcapngWriter(output, LINE, Counters()))
     wanted.folder.rename(tmp_path / "elsewhere")
@@ -290,7 +288,7 @@ def test_a_recorder_that_fails_leaves_the_ring(
 ) -> None:
     said: list[str] = []
     output = Output(str(tmp_path / "ring.pcapng"))
-    wanted = Wanted(tmp_path, Reasons(["faults"]), Around(SECOND, SECOND), 5)
+    wanted = Wanted(tmp_path, by(tshark, "faults"), Around(SECOND, SECOND), 5)
     recorder = Recorder(wanted, tshark, LINE, said.append, ring=PcapngWriter(output, LINE, Counters()))
     monkeypatch.setattr(recorder, "_keep", lambda _: 1 // 0)
     with pytest.raises(OutputError, match="ZeroDivisionError"):
@@ -306,7 +304,7 @@ def test_a_disk_that_does_not_answer_holds_nobody_up(
     monkeypatch.setattr(recorder_module, "MOST_WAITING", 10)
     said: list[str] = []
     disk = threading.Event()
-    recorder = Recorder(Wanted(tmp_path, Reasons(["faults"]), Around(1, 1), 5), tshark, LINE, said.append)
+    recorder = Recorder(Wanted(tmp_path, by(tshark, "faults"), Around(1, 1), 5), tshark, LINE, said.append)
     monkeypatch.setattr(recorder, "_tidy", disk.wait)
     recorder.begin(traffic[0])
     for record in traffic[1:100]:
@@ -331,7 +329,7 @@ def test_without_a_limit_it_says_once_what_is_not_kept(tshark: Tshark, traffic: 
         folder = tmp_path / str(number)
         folder.mkdir()
         said: list[str] = []
-        recorder = Recorder(Wanted(folder, Reasons(["faults"]), Around(1, 1), 5), tshark, LINE, said.append)
+        recorder = Recorder(Wanted(folder, by(tshark, "faults"), Around(1, 1), 5), tshark, LINE, said.append)
         recorder.begin(traffic[0], *started)
         for record in heard[1:]:
             recorder.write(record)
@@ -355,41 +353,25 @@ def test_a_filter_becomes_a_word(filter_: str, expected: str) -> None:
 
 def test_a_wrong_filter_is_refused(tshark: Tshark) -> None:
     with pytest.raises(UsageError, match=r"--keep 'sis.foo == 1': .*sis.foo"):
-        Reasons(["faults", "sis.foo == 1"]).check(tshark)
+        by(tshark, "faults", "sis.foo == 1")
     with pytest.raises(UsageError, match="needs a filter"):
-        Reasons(["faults", " "])
-    with pytest.raises(UsageError, match="join them with 'or'"):
-        Reasons(["sis", "sertap"])
-
-
-@pytest.mark.parametrize("preset", PRESETS)
-def test_the_presets_are_understood(tshark: Tshark, preset: str) -> None:
-    Reasons([preset]).check(tshark)
+        by(tshark, "faults", " ")
 
 
 def test_every_fault_is_found_in_one_pass_and_has_its_reason(tshark: Tshark, tmp_path: Path) -> None:
-    """On buses where it happens; faults that no simulated bus makes are added by the tap."""
+    """On buses where it happens."""
     found: set[str] = set()
-    reasons = Reasons(["faults", "writes"])
+    deciding = by(tshark, "writes", "faults")
     buses = [["late-reaction"], ["damaged"], ["silent-station"], ["slow-characters"], ["noise"], ["demo"], ["token"]]
     buses.append(["demo", "--faults", "parity=0.01,loss=0.01,break=0.01"])
     for number, bus in enumerate(buses):
         path = tmp_path / f"{number}.pcapng"
         assert cli.main(["bus", *bus, "-w", str(path)]) == 0
-        for line in tshark.lines(["-r", str(path), *reasons.arguments(None)]):
-            found.add(reasons.word(reasons.columns(line)))
-    assert "found" not in found  # what a filter finds shows its sign
-    assert found >= {
-        "damaged",
-        "lost",
-        "line-error",
-        "tza-exceeded",
-        "trs-exceeded",
-        "error-reaction",
-        "unanswered",
-        "write",
-    }
-    assert {fault.word for fault in FAULTS} - found <= {"tmas-exceeded", "system-error", "repeated"}
+        for judge in deciding:
+            for line in tshark.lines(["-r", str(path), *judge.arguments(None)]):
+                reason = judge.reason(Judged(Entry(0, b""), judge.columns(line)))
+                found.add(reason.word if reason else "")
+    assert found >= {"damaged", "lost", "line-error", "interval", "late", "error", "repeated", "silent", "write"}
 
 
 def test_tshark_has_ordinary_priority(tshark: Tshark, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -413,11 +395,11 @@ def test_small_seams_change_nothing(tshark: Tshark, traffic: list[Record], tmp_p
     for name, seams in (("one", Seams()), ("many", Seams(packets=301))):
         folder = tmp_path / name
         folder.mkdir()
-        wanted = Wanted(folder, Reasons(["faults"]), Around(SECOND, SECOND), 100)
+        wanted = Wanted(folder, by(tshark, "faults"), Around(SECOND, SECOND), 100)
         recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), seams=seams)
         play(recorder, traffic)
         contents.append({file.name: file.read_bytes() for file in kept(folder)})
-        assert (recorder.relay.successions > 0) == (name == "many")
+        assert all((relay.successions > 0) == (name == "many") for relay in recorder.relays)
     assert contents[0] == contents[1]
 
 

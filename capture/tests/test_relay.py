@@ -20,7 +20,7 @@ from sistap.explain.relay import Entry, Judged, Relay, Seams
 from sistap.explain.running import Running
 from sistap.files.pcapng import Interface
 from sistap.files.writer import Blocks
-from sistap.recorder.reasons import Reasons
+from sistap.recorder.reasons import ByFilter
 from sistap.records.before import heard
 from sistap.records.record import Record
 from sistap.terminal.console import visible
@@ -63,19 +63,17 @@ class Watched:
     """A relay with its records, and its results."""
 
     def __init__(self, tshark: Tshark, seams: Seams = SEAMS, filter_: str = FILTER) -> None:
-        self.reasons = Reasons([filter_])
+        self.judge = ByFilter(tshark, filter_)
         self.tshark = tshark
         self.running: list[Running] = []
         self.said: list[str] = []
         self.judged: list[Judged] = []
-        self.relay = Relay(
-            self.start, self.reasons.columns, self.said.append, finds=True, seams=seams, clock_s=self.tick
-        )
+        self.relay = Relay(self.start, self.judge.columns, self.said.append, finds=True, seams=seams, clock_s=self.tick)
         self._seconds = itertools.count()
         self._blocks = Blocks({0: LINE})
 
     def start(self, token: bytes | None) -> Running:
-        self.running.append(Running(self.tshark, self.reasons.arguments(token)))
+        self.running.append(Running(self.tshark, self.judge.arguments(token)))
         return self.running[-1]
 
     def tick(self) -> float:
@@ -154,7 +152,7 @@ def test_what_ends_every_tshark_is_left_out_at_last(tshark: Tshark, traffic: lis
     def start(token: bytes | None) -> Running:
         return Running(tshark, ["--no-such-option"])
 
-    tested.relay = Relay(start, tested.reasons.columns, tested.said.append, finds=True)
+    tested.relay = Relay(start, tested.judge.columns, tested.said.append, finds=True)
     tested.play(traffic[:50])
     tested.wait(49)
     assert all(judged.is_unjudged for judged in tested.judged)

@@ -41,7 +41,7 @@ def _expert(item: Expert) -> Iterator[str]:
 
 
 def _fault(fault: Fault) -> Iterator[str]:
-    yield f"- **{fault.title}**: button *{fault.button}*; `{fault.name.replace('_', '-')}` in names of kept files."
+    yield f"- **{fault.title}**: button *{fault.button}*."
     yield from (f"  {fault.expert.do}", f"  Filter: {', or '.join(f'`{test}`' for test in fault.tests)}", "")
 
 

@@ -28,7 +28,8 @@ class _Port:
         self.limits: Limits = Limits(before.limits if before else None)
         self.silence = StationSilence(thresholds)
         states = self.phases, self.rate, self.limits
-        lookers = (Tap(thresholds), BusSilence(thresholds), Faults(), self.silence, self.masters, self.writes, *states)
+        self.bus = BusSilence(thresholds)
+        lookers = (Tap(thresholds), self.bus, Faults(), self.silence, self.masters, self.writes, *states)
         # Most packets are nothing new to any of them. So none is a generator, which costs more than what it looks at.
         self._adds: list[Callable[[Packet], Iterable[Hit]]] = [looker.add for looker in lookers]
 
@@ -49,15 +50,39 @@ class Engine:
         self._ports: dict[str, _Port] = {}
         self._values = Values(thresholds)
 
-    def add(self, packet: Packet) -> list[Episode]:
-        """Look at a packet; return the episodes that begin with it."""
-        port = self._ports.get(packet.interface)
-        if port is None:
-            before = self._before._port(packet.interface) if self._before else None
-            port = self._ports[packet.interface] = _Port(self._thresholds, before)
+    def add(self, packet: Packet) -> None:
+        """Look at a packet."""
+        port = self._of(packet.interface)
         self._values.add(packet)
         hits = port.add(packet)
-        return self._book.add(hits) if hits else []
+        if hits:
+            self._book.add(hits)
+
+    def live(self, packet: Packet, *, is_learning: bool) -> list[Hit]:
+        """Look at a packet; return what it tells by now. Nothing is noted for the end."""
+        port = self._of(packet.interface)
+        begun = self._values.add(packet)
+        hits = [*port.add(packet), *port.silence.under_way(packet.interface)]
+        unusual = [*port.writes.first, *self._values.under_way(begun)]
+        return hits + [hit for hit in unusual if hit.kind == "changed" or not is_learning]
+
+    def unanswered(self, command: Packet) -> None:
+        """Learn that a command had no reaction: of a packet that was looked at, only the next command tells it."""
+        for telegram in command.telegrams:
+            telegram.unanswered = telegram.good and not telegram.is_reaction
+        self._of(command.interface).silence.add(command)
+        self._values.add(command)
+
+    def silent(self, now_s: float) -> list[Hit]:
+        """Return what lasts while no packet comes."""
+        return [hit for port in self._ports.values() for hit in port.bus.under_way(now_s)]
+
+    def _of(self, name: str) -> _Port:
+        port = self._ports.get(name)
+        if port is None:
+            before = self._before._port(name) if self._before else None
+            port = self._ports[name] = _Port(self._thresholds, before)
+        return port
 
     def finish(self) -> list[Episode]:
         """Return all episodes, in the order of their beginning; some are known only at the end."""
@@ -70,6 +95,6 @@ class Engine:
         return self._book.episodes()
 
     def _port(self, name: str) -> _Port | None:
-        """Return the port of this name. An only one may have another name now."""
+        """Return the port of this name, in a good capture. An only one may have another name now."""
         only = next(iter(self._ports.values())) if len(self._ports) == 1 else None
         return self._ports.get(name, only)

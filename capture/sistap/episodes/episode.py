@@ -31,6 +31,11 @@ class Hit(NamedTuple):
     topic: str = ""  # hits with another one are another episode
 
 
+def severity_of(hit: Hit) -> Severity:
+    """Return how bad it is."""
+    return RULES[hit.kind].severity if hit.severity is None else hit.severity
+
+
 @dataclass
 class Episode:
     """Hits that belong together."""
@@ -45,8 +50,7 @@ class Episode:
     @classmethod
     def of(cls, hit: Hit) -> Episode:
         """Begin one."""
-        severity = RULES[hit.kind].severity if hit.severity is None else hit.severity
-        return cls(hit, severity, hit.from_s, hit.to_s, 1, [hit.packet] if hit.packet else [])
+        return cls(hit, severity_of(hit), hit.from_s, hit.to_s, 1, [hit.packet] if hit.packet else [])
 
     def join(self, other: Episode) -> None:
         """Take in a later one."""

@@ -15,6 +15,7 @@ from sistap.wireshark.rows import OTHER
 
 _ALL = 255  # the address of all stations
 _TOLD = (EXCEEDED, UNRESOLVED)
+_KINDS = {"damaged": "damaged", "error_reaction": "error"}  # of faults in the table
 _LIMITS = (("late", "TrS", "reaction"), ("interval", "TzA", "pause"), ("cycle", "Tmas", "cycle"))
 
 
@@ -50,6 +51,8 @@ class Faults:
                 if telegram.has_system_error or telegram.is_refusal:
                     hits += _errors(packet, telegram)
                 self._asked = None if telegram.is_reaction else telegram.listener
+        if packet.faults and not hits:
+            hits += _others(packet)
         return hits
 
     def _damage(self, packet: Packet, *, is_bad: bool, is_other: bool) -> Iterator[Hit]:
@@ -85,6 +88,13 @@ def _limits(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
             severity=None if judged.verdict == EXCEEDED else Severity.NOTE,
             topic=perhaps,
         )
+
+
+def _others(packet: Packet) -> Iterator[Hit]:
+    """Yield faults that other fields tell: a good checksum with a wrong length, an error of the ASCII protocol."""
+    station = slave(packet.telegrams[0]) if packet.telegrams else None
+    for kind in (_KINDS[fault.name] for fault in packet.faults if fault.name in _KINDS):
+        yield _hit(kind, packet, station)
 
 
 def _errors(packet: Packet, telegram: Telegram) -> Iterator[Hit]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 from collections import deque
 from collections.abc import Iterator, Sequence
@@ -25,6 +26,7 @@ class Level:
     to_s: float
     packet: int  # the first
     value: float = 0.0  # the middle of the last ones
+    is_lasting: bool = False  # it was told that it is
 
     @property
     def seconds(self) -> float:
@@ -47,20 +49,32 @@ class Levels:
         self._since = 0  # values since the level was last computed
         self.count = 0
 
-    def add(self, time_s: float, value: float, packet: int) -> None:
-        """Add a value."""
+    def add(self, time_s: float, value: float, packet: int) -> bool:
+        """Add a value; tell whether a level is now one that lasts."""
         self.count += 1
         if len(self._levels) > self._thresholds.lively:
-            return
+            self._forget(time_s)
+            return False
         if not self._levels:
             self._levels.append(Level(time_s, time_s, packet, value))
         if self._is_inside(value):
             self._outside.clear()
             self._take(time_s, value)
-            return
-        self._outside.append((time_s, value, packet))
-        if len(self._outside) == self._thresholds.level_values:
-            self._next()
+        else:
+            self._outside.append((time_s, value, packet))
+            if len(self._outside) == self._thresholds.level_values:
+                self._next()
+                self._forget(time_s)
+        level = self._levels[-1]
+        if level.is_lasting or level.seconds < self._thresholds.level_s:
+            return False
+        level.is_lasting = True
+        return True
+
+    def _forget(self, now_s: float) -> None:
+        """Forget levels of long ago."""
+        while len(self._levels) > 1 and self._levels[0].to_s < now_s - self._thresholds.memory_s:
+            del self._levels[0]
 
     def _is_inside(self, value: float) -> bool:
         if len(self._recent) < _LEAST and len(self._levels) == 1:
@@ -92,6 +106,11 @@ class Levels:
             self._take(time_s, value)
         self._compute()
         self._scatter = max(self._scatter, min(scatter(self._recent, self._levels[-1].value), 2 * self._scatter))
+
+    @property
+    def began_s(self) -> float:
+        """Return when the last level began."""
+        return self._levels[-1].from_s if self._levels else -math.inf
 
     @property
     def usual(self) -> float:

@@ -60,10 +60,13 @@ class Writes:
         self.written: set[Parameter] = set()  # without the port: tomorrow the tap may be at another one
         self._present: dict[Parameter, Present] = {}
         self._rare: defaultdict[Parameter, list[Hit]] = defaultdict(list)  # the first writes of usual masters
+        self.first: list[Hit] = []  # those in the last packet that changed what was never written
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return writes of new masters."""
         hits: list[Hit] = []
+        if self.first:
+            self.first = []
         for access in packet.accesses:
             if access.error:
                 continue
@@ -73,11 +76,15 @@ class Writes:
             if not access.is_write:
                 continue
             parameter = access.parameter._replace(port="")
-            if len(self.written) < MOST:
+            is_first = parameter not in self.written and len(self.written) < MOST
+            if is_first:
                 self.written.add(parameter)
             was = before or self._known.get(parameter) if is_change else access.value
             hit = self._hit(packet, access, was)
-            if self._masters.is_new(access.master):
+            is_new = self._masters.is_new(access.master)
+            if is_first and is_change and not is_new:
+                self.first.append(hit)
+            if is_new:
                 hits.append(hit)
             elif (
                 parameter not in self._usual

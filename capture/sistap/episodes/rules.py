@@ -38,6 +38,7 @@ class Rule(NamedTuple):
     title: str
     filter: str = ""  # finds all packets of this kind; empty: only their numbers do
     join_s: float = 30.0
+    goes_on: bool = False  # for hours: then a recorder keeps its beginning
 
 
 _FILTERS = {fault.name: fault.filter for fault in (*FAULTS, WRITE)}
@@ -56,7 +57,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         "error": Rule(Subject.DRIVES, Severity.WARNING, "Reaction with an error", _FILTERS["error_reaction"]),
         "system_error": Rule(Subject.DRIVES, Severity.WARNING, "Error of a station", _FILTERS["system_error"]),
         "write": Rule(Subject.CHANGED, Severity.WARNING, "Write", _FILTERS["write"], join_s=0),
-        "master": Rule(Subject.CHANGED, Severity.WARNING, "New master", join_s=600),
+        "master": Rule(Subject.CHANGED, Severity.WARNING, "New master", join_s=600, goes_on=True),
         "phase": Rule(Subject.CHANGED, Severity.WARNING, "Phase", "sis.phase", join_s=0),
         "rate": Rule(Subject.CHANGED, Severity.WARNING, "Baud rate", join_s=0),
         "limits": Rule(Subject.CHANGED, Severity.WARNING, "Limit", "sis.service == 3", join_s=0),
@@ -97,6 +98,8 @@ class Thresholds(NamedTuple):
     drift_noise: float = 6.0  # multiples of the scatter around the line
     drift_chance: float = 0.001  # that neighbours, dealt by chance, rise as often
     drift_s: float = 1800.0  # a shorter capture has no drift
+    learning_s: float = 3600.0  # a recorder learns what is written, and the levels of values
+    memory_s: float = 1e9  # levels and states of values that ended longer ago are forgotten
 
 
 THRESHOLDS = Thresholds()

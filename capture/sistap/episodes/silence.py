@@ -51,6 +51,7 @@ class BusSilence:
         self._long_s = 0.0  # when the last long one began
         self._last: Packet | None = None
         self._began_s = 0.0
+        self._is_told = False  # that it is silent now
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return the silence before a packet."""
@@ -60,6 +61,7 @@ class BusSilence:
                 self._last = None
             return ()
         last, self._last = self._last, packet
+        self._is_told = False
         if last is None:
             self._began_s = packet.epoch_s
             return ()
@@ -70,15 +72,27 @@ class BusSilence:
         if silence_s < self._thresholds.bus_silent_s or not self._is_long(silence_s):
             self._usual.append(silence_s)
             return ()
-        is_known = len(self._usual) >= _ENOUGH and begin_s - self._began_s >= _TIMES_HEARD * silence_s
+        is_known = self._is_known(begin_s, silence_s)
         if not is_known:
             self._usual.append(silence_s)
         if self._is_in_rhythm(begin_s, silence_s):
             return ()
-        detail = f"{seconds(silence_s)}: cable or master off?"
-        severity = None if is_known else Severity.NOTE
-        place = "bus_silent", packet.number, begin_s, packet.epoch_s, None, ""
-        return (Hit(*place, detail, silence_s, severity, packet.interface),)
+        hit = _bus_silent(packet, begin_s, packet.epoch_s)
+        return (hit if is_known else hit._replace(severity=Severity.NOTE),)
+
+    def under_way(self, now_s: float) -> Iterable[Hit]:
+        """Return the silence that still lasts, once."""
+        if self._last is None or self._is_told:
+            return ()
+        begin_s = self._last.ended_s
+        silence_s = now_s - begin_s
+        is_long = silence_s >= self._thresholds.bus_silent_s and self._is_long(silence_s)
+        self._is_told = is_long and self._is_known(begin_s, silence_s)
+        return (_bus_silent(self._last, begin_s, now_s),) if self._is_told else ()
+
+    def _is_known(self, begin_s: float, silence_s: float) -> bool:
+        """Tell whether the bus was heard for long enough to know what is usual."""
+        return len(self._usual) >= _ENOUGH and begin_s - self._began_s >= _TIMES_HEARD * silence_s
 
     def _is_in_rhythm(self, begin_s: float, silence_s: float) -> bool:
         long = _Long(silence_s, begin_s - self._long_s)
@@ -89,6 +103,11 @@ class BusSilence:
 
     def _is_long(self, silence_s: float) -> bool:
         return len(self._usual) >= _FEW and silence_s > self._thresholds.bus_silent_times * max(self._usual)
+
+
+def _bus_silent(packet: Packet, begin_s: float, end_s: float) -> Hit:
+    detail = f"{seconds(end_s - begin_s)}: cable or master off?"
+    return Hit("bus_silent", packet.number, begin_s, end_s, None, "", detail, end_s - begin_s, port=packet.interface)
 
 
 @dataclass
@@ -111,6 +130,7 @@ class StationSilence:
         self._thresholds = thresholds
         self._stations: dict[int, _Asked] = {}
         self._pending: tuple[Packet, Telegram] | None = None  # a command without a reaction: perhaps that is damaged
+        self._grown: int | None = None  # the station whose silence began, or went on, with the last telegram
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return silences that end with a packet."""
@@ -153,6 +173,13 @@ class StationSilence:
         asked.count += 1
         asked.repeats += telegram.is_repeat
         asked.to_s = packet.ended_s
+        self._grown = telegram.listener
+
+    def under_way(self, port: str) -> Iterable[Hit]:
+        """Return the silence that began, or went on. A station that never answered is perhaps not there."""
+        station, self._grown = self._grown, None
+        asked = None if station is None else self._stations.get(station)
+        return self._told(port, station, asked) if asked and station is not None and asked.has_answered else ()
 
     def _answered(self, packet: Packet, telegram: Telegram) -> Iterable[Hit]:
         if telegram.talker is None:

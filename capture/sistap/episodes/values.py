@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from sistap.accesses.access import Access, Parameter
@@ -54,25 +54,33 @@ class Values:
         self._thresholds = thresholds
         self._followed: dict[Parameter, _Followed] = {}
 
-    def add(self, packet: Packet) -> None:
-        """Take the values in a packet."""
+    def add(self, packet: Packet) -> Sequence[Parameter]:
+        """Take the values in a packet; return the parameters of which a state begins, or a level lasts."""
+        begun: list[Parameter] = []
         for telegram in packet.telegrams:
             if telegram.unanswered and telegram.good and passes(WRITE.tests, telegram.columns):
                 self._lose_command(packet.interface, telegram)
         for access in packet.accesses:
-            if access.error or not access.value or access.is_raw:
-                continue
-            followed = self._of(access.parameter)
-            if followed is None:
-                continue
-            followed.unit = access.unit or followed.unit
-            followed.is_written |= access.is_write
-            if access.is_write:
-                self._command(access)
-            elif access.number is None or access.value.startswith("0x"):
-                self._state(followed, packet, access.value)
-            elif abs(access.number) < _LARGEST and not followed.is_command_lost:
-                followed.levels.add(packet.epoch_s, access.number - (followed.command or 0.0), packet.number)
+            is_known = not access.error and access.value and not access.is_raw
+            if is_known and self._take(packet, access):
+                begun.append(access.parameter)
+        return begun
+
+    def _take(self, packet: Packet, access: Access) -> bool:
+        """Take a value; tell whether a state begins with it, or a level lasts."""
+        followed = self._of(access.parameter)
+        if followed is None:
+            return False
+        followed.unit = access.unit or followed.unit
+        followed.is_written |= access.is_write
+        if access.is_write:
+            self._command(access)
+            return False
+        if access.number is None or access.value.startswith("0x"):
+            return self._state(followed, packet, access.value)
+        if abs(access.number) >= _LARGEST or followed.is_command_lost:
+            return False
+        return followed.levels.add(packet.epoch_s, access.number - (followed.command or 0.0), packet.number)
 
     def followed(self) -> Iterator[tuple[Parameter, _Followed]]:
         """Yield what is known of each parameter."""
@@ -104,12 +112,28 @@ class Values:
             if is_here and FOLLOWS.get(parameter.ident) == telegram.columns.get("sis.parameter"):
                 followed.is_command_lost = followed.command is not None
 
-    def _state(self, followed: _Followed, packet: Packet, value: str) -> None:
+    def _state(self, followed: _Followed, packet: Packet, value: str) -> bool:
+        """Take a state; tell whether it begins."""
         states = followed.states
         if states and states[-1].value == value:
             states[-1].to_s = packet.epoch_s
-        elif len(states) <= self._thresholds.lively:
-            states.append(_State(value, packet.epoch_s, packet.epoch_s, packet.number))
+            return False
+        while states and states[0].to_s < packet.epoch_s - self._thresholds.memory_s:
+            del states[0]
+        if len(states) > self._thresholds.lively:
+            return False
+        states.append(_State(value, packet.epoch_s, packet.epoch_s, packet.number))
+        return True
+
+    def under_way(self, begun: Iterable[Parameter]) -> Iterator[Hit]:
+        """Yield what is not as usual of the last state or level of these."""
+        for parameter in begun:
+            followed = self._followed[parameter]
+            if not followed.is_written:
+                states_s = [state.from_s for state in followed.states[-1:]]
+                last_s = max([*states_s, followed.levels.began_s])
+                found = [*_changes(parameter, followed, self._thresholds.few_levels), *_steps(parameter, followed)]
+                yield from (hit for hit in found if hit.from_s >= last_s)
 
     def finish(self) -> Iterator[Hit]:
         """Yield what was not as usual."""

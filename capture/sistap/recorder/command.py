@@ -12,13 +12,16 @@ from pathlib import Path
 
 from sistap.capture.command import Once, add_end_arguments, add_line_arguments, number, options_of, refusing, started
 from sistap.capture.running import Opener
+from sistap.episodes.live import LIVE
+from sistap.episodes.options import add_rule
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
 from sistap.recorder import retention
 from sistap.recorder.keeper import Around
-from sistap.recorder.reasons import PRESETS, Reasons
+from sistap.recorder.reasons import FAULTS, FILTERS
 from sistap.recorder.recorder import Recorder, Wanted
+from sistap.recorder.watching import judges
 from sistap.records.counters import Counters
 from sistap.terminal.console import STANDARD_OUTPUT, Audience, Console
 from sistap.terminal.exits import FAILED, UsageError
@@ -29,14 +32,16 @@ AT_MOST = 100  # files that are kept
 LARGEST_S = 86_400  # before and after
 
 DESCRIPTION = """\
-Listen to a bus for months, and keep what matters. Each packet is tested with the display filter FILTER. Around each
-match, a file kept_TIME_REASON.pcapng is written into FOLDER. sistap never writes to the port.
+Listen to a bus for months, and keep what happens: what `sistap report` tells as a warning or an error, or what a
+display filter finds. Around each, a file kept_TIME_REASON.pcapng is written into FOLDER. sistap never writes to the
+port.
 """
 
 EPILOG = """\
-Overlapping times share one file. A file ends --after seconds after its last match. The recorder waits --before seconds
-more before it closes the file and starts COMMAND: a match in that time goes into the same file. FILTER is tested live:
-a command without a reaction is found at the next command (sis.unanswered_before).
+Overlapping times share one file. A file ends --after seconds after its last reason. The recorder waits --before seconds
+more before it closes the file and starts COMMAND: a reason in that time goes into the same file. In the first hour it
+learns what is usual: steps of values, and first writes of a master, are kept from then on. FILTER is tested live: a
+command without a reaction is found at the next command (sis.unanswered_before).
 
 `sistap capture --help` describes PORT, --baud auto, --follow-baud and capture filters.
 
@@ -69,16 +74,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FILTER",
-        help="keep a file around each packet that matches this display filter (default faults). "
-        f"{' and '.join(PRESETS)} are ready-made; give it several times to combine them with one of your own",
+        help=f"keep a file around each packet that matches this display filter (default {FAULTS}). {FAULTS} is what "
+        f"happens, as `sistap report` tells it, {' and '.join(FILTERS)} a filter that is ready-made; can be given "
+        "several times",
     )
+    add_rule(parser, LIVE)
     add(
         "--before",
         dest="before_s",
         type=_seconds,
         default=AROUND_S,
         metavar="SECONDS",
-        help=f"time kept before a match (default {AROUND_S})",
+        help=f"time kept before a reason (default {AROUND_S})",
     )
     add(
         "--after",
@@ -86,7 +93,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_seconds,
         default=AROUND_S,
         metavar="SECONDS",
-        help=f"time kept after a match (default {AROUND_S})",
+        help=f"time kept after a reason (default {AROUND_S})",
     )
     add(
         "--at-most",
@@ -122,16 +129,15 @@ def run(args: argparse.Namespace) -> int:
 def _record(args: argparse.Namespace, console: Console) -> int:
     """Check everything before a port is opened, then record. UsageError, TsharkError."""
     folder = _folder(args.folder)
-    reasons = Reasons(args.keep or ["faults"])
     options = options_of(args, str(folder / retention.RING) if args.ring else os.devnull)
     files = options.limits.keep
     if "filesize" in options.autostop and not options.ring:
         raise UsageError("-a filesize: is for the full ring: add -b duration:SECONDS or -b filesize:KB")
     with Tshark() as tshark:
-        reasons.check(tshark)
+        deciding = judges(tshark, args.keep or [FAULTS], args.thresholds)
     _make(folder)
     around = Around(int(args.before_s * 1e9), int(args.after_s * 1e9))
-    wanted = Wanted(folder, reasons, around, args.at_most, args.on_keep, files, args.compress)
+    wanted = Wanted(folder, deciding, around, args.at_most, args.on_keep, files, args.compress)
     # The recorder deletes the files of the ring: it counts those of earlier runs, too.
     ring = {name: value for name, value in options.ring.items() if name != "files"}
     return started(replace(options, ring=ring), console, _opener(wanted, has_ring=bool(ring)))

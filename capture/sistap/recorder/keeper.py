@@ -14,6 +14,7 @@ from sistap.records.record import Record
 LARGEST = 100_000_000  # bytes of a file; if records keep mattering, the next file follows
 MOST_HISTORY = 128_000_000  # bytes of waiting records; above this, the oldest go
 _STEP_NS = 10_000_000_000  # a clock that jumps back this far was set
+_LATE_NS = 60_000_000_000  # a step of a value is known so much later, and what came before it is needed, too
 
 
 class Around(NamedTuple):
@@ -66,14 +67,16 @@ class Keeper:
         self._now_ns = 0
         self._shortened = False
 
-    def take(self, entry: Entry, reason: str = "") -> None:
-        """Take the next block."""
+    def take(self, entry: Entry, reason: str = "", from_ns: int | None = None) -> None:
+        """Take the next block, and the reason that began with it or at `from_ns`."""
         if entry.time_ns < self._now_ns - _STEP_NS:
             self._break()
-        self.look(max(entry.time_ns, self._now_ns))
+        now_ns = max(entry.time_ns, self._now_ns)
         if reason:
-            self._keep(entry.time_ns, reason)
-            self._reasons[reason] = None
+            self._keep(entry.time_ns, reason, entry.time_ns if from_ns is None else from_ns)
+        self.look(now_ns)
+        while self._waiting and self._waiting[0].time_ns < now_ns - self._around.before_ns - _LATE_NS:
+            self._forget()
         if self._file and entry.time_ns <= self._end_ns:
             self._write(entry)
         else:
@@ -81,26 +84,36 @@ class Keeper:
             self._waiting_bytes += len(entry.block)
             self._bound()
 
+    def keep(self, now_ns: int, reason: str, from_ns: int) -> None:
+        """Keep what is around a reason, though no block comes."""
+        if self._file or self._waiting:
+            self._keep(now_ns, reason, from_ns)
+
     def look(self, now_ns: int) -> None:
-        """End the file if nothing that matters now could belong to it; drop what is too old."""
+        """End the file if nothing that matters now could belong to it."""
         self._now_ns = now_ns
-        since_ns = now_ns - self._around.before_ns
-        if self._file and since_ns > self._end_ns:
+        self._close_before(now_ns - self._around.before_ns)
+
+    def _close_before(self, time_ns: int) -> None:
+        if self._file and time_ns > self._end_ns:
             self._close()
-        while self._waiting and self._waiting[0].time_ns < since_ns:
-            self._forget()
 
     def end(self) -> None:
         """End the file."""
         if self._file:
             self._close()
 
-    def _keep(self, time_ns: int, reason: str) -> None:
+    def _keep(self, now_ns: int, reason: str, from_ns: int) -> None:
+        since_ns = min(from_ns, now_ns) - self._around.before_ns
+        self._close_before(since_ns)
+        while not self._file and self._waiting and self._waiting[0].time_ns < since_ns:
+            self._forget()
         self._reason = reason
         if not self._file:
-            first_ns = self._waiting[0].time_ns if self._waiting else time_ns
-            self._open(first_ns, time_ns)
-        self._end_ns = max(self._end_ns, time_ns + self._around.after_ns)
+            first_ns = self._waiting[0].time_ns if self._waiting else now_ns
+            self._open(first_ns, from_ns)
+        self._reasons[reason] = None
+        self._end_ns = max(self._end_ns, now_ns + self._around.after_ns)
         while self._waiting:  # each is either within `before`, or belongs to the file of the reason before
             self._waiting_bytes -= len(self._waiting[0].block)
             self._write(self._waiting.popleft())
@@ -148,7 +161,7 @@ class Keeper:
     def _bound(self) -> None:
         while self._waiting_bytes > MOST_HISTORY:
             self._forget()
-            if not self._shortened:
+            left_ns = self._now_ns - self._waiting[0].time_ns
+            if left_ns < self._around.before_ns and not self._shortened:
                 self._shortened = True
-                seconds = (self._now_ns - self._waiting[0].time_ns) / 1e9
-                self._say(f"--before is too long for the memory: files begin {seconds:.0f} s before their reason")
+                self._say(f"--before is too long for the memory: files begin {left_ns / 1e9:.0f} s before their reason")

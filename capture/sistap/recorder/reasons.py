@@ -1,67 +1,68 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is kept: the presets, and the user's own filters; each with the word in the name of its files."""
+"""Who decides what is kept: the episodes, and display filters. Each reason has a word for the name of its file."""
 
 from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
+from sistap.explain.relay import Judged
 from sistap.files import pcapng
-from sistap.sis.faults import FAULTS, WRITE, Fault
+from sistap.sis.faults import WRITE
 from sistap.terminal.exits import UsageError
 from sistap.wireshark import rows
-from sistap.wireshark.rows import NO_DISSECTOR, unknown_fields
-from sistap.wireshark.tshark import Tshark, TsharkError
+from sistap.wireshark.tshark import Tshark
 
-# The worst first: of a packet with several reasons, that is its word.
-PRESETS: Mapping[str, Sequence[Fault]] = {"faults": FAULTS, "writes": [WRITE]}
+FAULTS = "faults"  # by the episodes
+FILTERS = {"writes": WRITE.filter}  # ready-made ones
 _MARK = ("frame.number", "data.data")
 _LONGEST = 40  # characters of the word
 
 
-class Reasons:
-    """The filters of --keep: names of presets, and at most one filter of the user's own."""
+class Reason(NamedTuple):
+    """Why something is kept."""
 
-    def __init__(self, keep: Sequence[str]) -> None:
-        """Parse the filters. UsageError if there are several own ones: tshark does not tell which of them matched."""
-        self._faults = [fault for preset, faults in PRESETS.items() if preset in keep for fault in faults]
-        self._tests = [test for fault in self._faults for test in fault.live_tests]
-        own = [filter_ for filter_ in keep if filter_ not in PRESETS]
-        if not all(filter_.strip() for filter_ in own):
-            raise UsageError(f"--keep needs a filter, or {' or '.join(PRESETS)}")
-        if len(own) > 1:
-            raise UsageError(f"--keep takes one filter beside {' and '.join(PRESETS)}: join them with 'or'")
-        self._own = own[0] if own else ""
-        self._names = [*_MARK, *rows.tested(self._tests)]
+    word: str
+    from_ns: int | None = None  # when it began, if that was earlier
 
-    def arguments(self, token: bytes | None) -> list[str]:
-        """Return the arguments for tshark: print matches and marks."""
-        found = [*self._tests, *([f"({self._own})"] if self._own else [])]
-        marks = [f"data.data == {token.hex(':')}"] if token else []
-        return ["-Y", " || ".join(found + marks), *rows.printing(self._names)]
 
-    def columns(self, line: str) -> dict[str, str]:
-        """Split what tshark prints."""
-        return rows.columns(self._names, line)
+class ByFilter:
+    """Keeps what a display filter finds."""
 
-    def word(self, columns: Mapping[str, str]) -> str:
-        """Return the word for the reason of a packet, for the name of a file."""
-        words = (fault.word for fault in self._faults if rows.passes(fault.live_tests, columns))
-        return next(words, "") or word(self._own)
+    finds = True  # tshark prints only matches, and marks
 
-    def check(self, tshark: Tshark) -> None:
-        """Check the filter with tshark. UsageError, or TsharkError without a dissector for SIS."""
+    def __init__(self, tshark: Tshark, keep: str) -> None:
+        """Check the filter with tshark. UsageError."""
+        if not keep.strip():
+            raise UsageError(f"--keep needs a filter, or {' or '.join([FAULTS, *FILTERS])}")
+        self._filter = FILTERS.get(keep, keep)
+        self._word = WRITE.name if keep in FILTERS else word(keep)
         with tempfile.TemporaryFile() as empty:
             empty.write(pcapng.section_header("sistap", "") + pcapng.interface_description(pcapng.Interface(252, "x")))
             empty.seek(0)
-            done = tshark.run(["-r", "-", *self.arguments(None), "-e", rows.NECESSARY], stdin=empty)
-        if done.returncode == 0:
-            return
-        if rows.NECESSARY in unknown_fields(done.stderr) or not self._own:
-            raise TsharkError(NO_DISSECTOR)
-        said = (done.stderr.strip().splitlines() or ["tshark refuses it"])[0].removeprefix("tshark: ")
-        raise UsageError(f"--keep '{self._own}': {said}")
+            done = tshark.run(["-r", "-", *self.arguments(None)], stdin=empty)
+        if done.returncode:
+            said = (done.stderr.strip().splitlines() or ["tshark refuses it"])[0].removeprefix("tshark: ")
+            raise UsageError(f"--keep '{keep}': {said}")
+
+    def arguments(self, token: bytes | None) -> Sequence[str]:
+        """Return the arguments for tshark: print matches and marks."""
+        mark = f" || data.data == {token.hex(':')}" if token else ""
+        return ["-Y", f"({self._filter}){mark}", *rows.printing(_MARK)]
+
+    def columns(self, line: str) -> dict[str, str]:
+        """Split what tshark prints."""
+        return rows.columns(_MARK, line)
+
+    def reason(self, judged: Judged) -> Reason | None:
+        """Return why a packet is kept; None: it is not."""
+        return Reason(self._word) if judged.columns else None
+
+    def silent(self, _: int) -> Reason | None:
+        """Return why a silence is kept: no filter finds one."""
+        return None
 
 
 def word(filter_: str) -> str:

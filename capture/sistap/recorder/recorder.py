@@ -7,9 +7,11 @@ import os
 import queue
 import threading
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from sistap.capture.tap import Sink
@@ -24,8 +26,9 @@ from sistap.recorder import retention
 from sistap.recorder.keeper import Around, Beginning, File, Keeper
 from sistap.recorder.notifier import Notifier
 from sistap.recorder.packing import pack
-from sistap.recorder.reasons import Reasons
+from sistap.recorder.reasons import Reason
 from sistap.recorder.unlimited import Unlimited
+from sistap.recorder.watching import Judge
 from sistap.records.before import heard
 from sistap.records.counters import Counters
 from sistap.records.record import KEPT, Event, Record
@@ -43,7 +46,7 @@ class Wanted:
     """The settings of a recorder."""
 
     folder: Path
-    reasons: Reasons
+    judges: Sequence[Judge]
     around: Around
     at_most: int
     command: str | None = None
@@ -81,13 +84,17 @@ class Recorder:
         self._trouble = ""
         self._disk_trouble = self._untidy = ""  # already reported
         self.kept = 0  # files
-        reasons = wanted.reasons
-        self.relay = Relay(self._start, reasons.columns, say, finds=True, seams=seams)
+        self.relays = [
+            Relay(partial(self._start, judge), judge.columns, say, finds=judge.finds, seams=seams)
+            for judge in wanted.judges
+        ]
+        self._judged: list[deque[Judged]] = [deque() for _ in self.relays]  # what not all have judged
         self._thread: threading.Thread | None = None
 
     def summary(self, counters: Counters) -> str:
         """Return what was heard, and what was kept."""
-        unjudged = f"; {self.relay.unjudged} records were not tested with the filter" if self.relay.unjudged else ""
+        count = max(relay.unjudged for relay in self.relays)
+        unjudged = f"; {count} records were not tested with the filter" if count else ""
         return f"{counters}; {self.kept} file{'' if self.kept == 1 else 's'} kept in {self._wanted.folder}{unjudged}"
 
     # -- In the thread of the capture
@@ -101,7 +108,8 @@ class Recorder:
             self._unlimited.take(heard(record))
         heading = self._blocks.section()
         self._keeper = Keeper(self._wanted.around, self._begin, heading, self._say)
-        self.relay.begin(self._blocks, heading, started)
+        for relay in self.relays:
+            relay.begin(self._blocks, heading, started)
         self._thread = threading.Thread(target=self._run, args=(priority.is_real_time(),), daemon=True)
         self._thread.start()
 
@@ -144,7 +152,7 @@ class Recorder:
         """End the thread after its remaining work."""
         if self._thread:
             self._queue.put(None)
-            self._thread.join(PATIENCE_S + 5)
+            self._thread.join(PATIENCE_S * len(self.relays) + 5)
             self._thread = None
 
     def _check(self) -> None:
@@ -164,15 +172,15 @@ class Recorder:
             while self._turn():
                 if time.monotonic() >= self._tidy_s:
                     self._tidy()
-            for judged in self.relay.finish(PATIENCE_S):
-                self._keep(judged)
+            self._keep_all([relay.finish(PATIENCE_S) for relay in self.relays])
             self._keeper.end()
         except Exception as error:  # noqa: BLE001 - whatever it is, the ring goes on
             self._trouble = f"the recorder has failed: {error!r}"
             if self._ring:
                 self._say(f"{self._trouble}; the ring goes on")
         finally:
-            self.relay.close()
+            for relay in self.relays:
+                relay.close()
 
     def _turn(self) -> bool:
         """Process what has come; return whether to continue."""
@@ -185,23 +193,38 @@ class Recorder:
             if item is None:
                 return False
             if isinstance(item, Entry):
-                self.relay.put(item)
+                for relay in self.relays:
+                    relay.put(item)
             else:
                 silent_ns = item
-        for judged in self.relay.look():
-            self._keep(judged)
+        self._keep_all([relay.look() for relay in self.relays])
         self._notifier.reap()
-        if silent_ns and self.relay.empty:
-            self._keeper.look(silent_ns)
+        if silent_ns and all(relay.empty for relay in self.relays):
+            self._keep_silence(silent_ns)
         time.sleep(_TURN_S if self._queue.empty() else 0)
         return True
 
-    def _keep(self, judged: Judged) -> None:
-        reason = self._wanted.reasons.word(judged.columns) if judged.columns else ""
-        self._keeper.take(judged.entry, reason)
+    def _keep_all(self, more: Iterable[Iterable[Judged]]) -> None:
+        """Keep what all have judged by now."""
+        for waiting, judged in zip(self._judged, more, strict=True):
+            waiting.extend(judged)
+        while all(self._judged):
+            self._keep([waiting.popleft() for waiting in self._judged])
 
-    def _start(self, token: bytes | None) -> Running:
-        return Running(self._tshark, self._wanted.reasons.arguments(token))
+    def _keep(self, same: Sequence[Judged]) -> None:
+        """Keep a block if one of the judges has a reason; the first one counts."""
+        told = [judge.reason(judged) for judge, judged in zip(self._wanted.judges, same, strict=True)]
+        reason = next(filter(None, told), Reason(""))
+        self._keeper.take(same[0].entry, *reason)
+
+    def _keep_silence(self, now_ns: int) -> None:
+        for judge in self._wanted.judges:
+            if reason := judge.silent(now_ns):
+                self._keeper.keep(now_ns, reason.word, reason.from_ns or now_ns)
+        self._keeper.look(now_ns)
+
+    def _start(self, judge: Judge, token: bytes | None) -> Running:
+        return Running(self._tshark, judge.arguments(token))
 
     def _begin(self, beginning: Beginning) -> File:
         time_ns = beginning.time_ns

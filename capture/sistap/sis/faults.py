@@ -30,11 +30,6 @@ class Fault(NamedTuple):
         """Return its tests while a capture runs."""
         return self.live or self.tests
 
-    @property
-    def word(self) -> str:
-        """Return its name in that of a file."""
-        return self.name.replace("_", "-")
-
 
 # In the order of the report; where several hold, the first names the packet.
 FAULTS = (

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Episodes while they happen: a recorder keeps what is told, when it is told."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import planted
+import pytest
+
+from sistap.accesses.access import Access, Parameter
+from sistap.captures import reading
+from sistap.episodes.episode import Hit
+from sistap.episodes.live import FIELD, LIVE, Live
+from sistap.files.pcapng import Interface
+from sistap.packets.dissection import Packet, Telegram
+from sistap.recorder import recorder as recorder_module
+from sistap.recorder.keeper import Around
+from sistap.recorder.recorder import Recorder, Wanted
+from sistap.recorder.watching import judges
+from sistap.records.record import Event
+from sistap.wireshark.rows import FRAME, OTHER
+from sistap.wireshark.tshark import Tshark
+
+SECOND = 1_000_000_000
+HOUR_S, DAY_S = 3600.0, 86_400.0
+LEARNED_S = LIVE.learning_s + HOUR_S
+
+
+class Bus:
+    """A master and stations; what is told of them."""
+
+    def __init__(self) -> None:
+        self.live = Live()
+        self.told: list[Hit] = []
+        self.now_s = self.heard_s = 0.0
+
+    def packet(self, *telegrams: Telegram, accesses: Sequence[Access] = (), kind: int = FRAME) -> None:
+        packet = Packet(1, self.now_s, self.now_s, "", kind, 9600, "8E1", None, None, "", [], 0, 0)
+        packet.telegrams, packet.accesses = [*telegrams], [*accesses]
+        packet.since_s, self.heard_s = self.now_s - self.heard_s, self.now_s
+        self.told += self.live.add(packet)
+
+    def ask(self, station: int = 3, *, master: int = 16, after_unanswered: bool = False) -> None:
+        self.packet(telegram(master, station, {FIELD: "1"} if after_unanswered else {}))
+
+    def answer(self, station: int = 3, *accesses: Access) -> None:
+        self.packet(telegram(16, station, {}, is_reaction=True), accesses=accesses)
+
+    def exchange(self, *accesses: Access, master: int = 16) -> None:
+        self.ask(master=master)
+        self.answer(3, *accesses)
+
+    @property
+    def kinds(self) -> list[str]:
+        return [hit.kind for hit in self.told]
+
+
+def telegram(master: int, station: int, columns: dict[str, str], *, is_reaction: bool = False) -> Telegram:
+    talker, listener = (station, master) if is_reaction else (master, station)
+    known = (True, 0x10, talker, listener, is_reaction, None, False, False, None, False, False)
+    return Telegram(*known, None, None, None, None, None, None, columns)
+
+
+def access(ident: str, value: str, number: float | None = None, *, master: int | None = None) -> Access:
+    """Return a read; a write if a master is named."""
+    parameter = Parameter("", "3", 7, ident)
+    return Access(parameter, master is not None, master or 16, "", value, number, value, "", "", "", "")
+
+
+def speed(rpm: float) -> Access:
+    return access("S-0-0040", f"{rpm} rpm", rpm)
+
+
+@pytest.fixture
+def bus() -> Bus:
+    """A bus of which everything usual is known."""
+    bus = Bus()
+    for _ in range(int(LEARNED_S / 10)):
+        bus.now_s += 10
+        bus.exchange(access("S-0-0390", "0xA0101"), speed(1000 + random.Random(bus.now_s).gauss(0, 1)))
+    assert bus.told == []
+    return bus
+
+
+def test_a_silent_station_is_told_from_the_first_command_on(bus: Bus) -> None:
+    bus.ask()
+    began_s = bus.now_s
+    for _ in range(4):
+        bus.now_s += 1
+        bus.ask(after_unanswered=True)
+    assert bus.kinds == ["unanswered", "unanswered", "silent", "silent"]
+    assert {hit.from_s for hit in bus.told} == {began_s}
+    bus.answer()
+    assert bus.kinds[-1] == "silent" and len(bus.told) == 5
+    bus.exchange()
+    assert len(bus.told) == 5
+
+
+def test_what_may_have_been_the_reaction_is_no_silence(bus: Bus) -> None:
+    bus.ask()
+    bus.packet(kind=OTHER)
+    told = len(bus.told)  # it is damaged
+    bus.ask(after_unanswered=True)
+    bus.answer()
+    assert len(bus.told) == told
+
+
+def test_a_station_that_never_answered_is_perhaps_not_there(bus: Bus) -> None:
+    bus.ask(9)
+    for _ in range(10):
+        bus.now_s += 1
+        bus.ask(9, after_unanswered=True)
+    assert bus.told == []
+
+
+def test_a_new_master_is_told_when_it_comes_and_when_it_comes_back(bus: Bus) -> None:
+    for pause in (0, 1, 1, 50, 70, 1):
+        for _ in range(pause):
+            bus.now_s += 10
+            bus.exchange()
+        bus.exchange(master=17)
+    assert bus.kinds == ["master", "master"]
+
+
+def test_a_write_of_a_new_master_is_told_each_time(bus: Bus) -> None:
+    bus.exchange(access("S-0-0091", "1", master=16))
+    bus.exchange(master=17)
+    for value in ("5", "6"):
+        bus.exchange(access("S-0-0091", value, master=17))
+    assert bus.kinds == ["write", "master", "write", "write"]
+
+
+def test_what_was_never_written_is_told_once_after_a_while() -> None:
+    bus = Bus()
+    for ident in ("S-0-0036", "S-0-0091", "S-0-0036", "S-0-0091", "S-0-0001"):
+        bus.exchange(access(ident, str(bus.now_s), master=16))
+        bus.now_s += LIVE.learning_s / 3
+    assert [hit.parameter for hit in bus.told] == ["S-0-0001"]
+
+
+def test_a_diagnosis_is_told_at_once(bus: Bus) -> None:
+    for value in ("0xF2028", "0xF2028", "0xA0101", "0xA0101"):
+        bus.now_s += 10
+        bus.exchange(access("S-0-0390", value))
+    (hit,) = bus.told
+    assert (hit.kind, hit.from_s, hit.detail) == ("changed", bus.now_s - 30, "0xA0101 -> 0xF2028")
+
+
+def test_a_step_is_told_when_it_lasts_and_from_its_beginning(bus: Bus) -> None:
+    began_s = bus.now_s + 10
+    for value in (700, 701, 699, 700, 702):
+        bus.now_s += 10
+        bus.exchange(speed(value))
+    (hit,) = bus.told
+    assert (hit.kind, hit.from_s) == ("step", began_s)
+
+
+def test_a_step_of_the_first_hour_may_be_usual() -> None:
+    bus = Bus()
+    for value in [1000] * 100 + [700] * 100:
+        bus.now_s += 10
+        bus.exchange(speed(value))
+    assert bus.told == []
+
+
+def test_the_faults_of_a_day_are_forgotten(bus: Bus) -> None:
+    """Also after many changes: what only moves is no longer told, and is told again when it has come to rest."""
+    for number in range(LIVE.lively * 2):
+        bus.now_s += 10
+        bus.exchange(access("S-0-0390", f"0x{number % 2}"), speed(1000.0 * (number // 5)))
+    (values,) = (one for parameter, one in bus.live._engine._values.followed() if parameter.ident == "S-0-0390")
+    assert len(values.states) <= LIVE.lively + 1
+    bus.told = []
+    for _ in range(int(2 * DAY_S / 60)):
+        bus.now_s += 60
+        bus.exchange(access("S-0-0390", "0x1"), speed(1000.0))
+    bus.told = []
+    bus.exchange(access("S-0-0390", "0xF2028"))
+    assert bus.kinds == ["changed"] and len(values.states) == 2
+
+
+def test_a_silence_of_the_bus_is_told_while_it_lasts(bus: Bus) -> None:
+    """Once; and again when it ends."""
+    ended_s = bus.now_s
+    silent = [hit for later_s in range(200) for hit in bus.live.silent(ended_s + later_s)]
+    assert [(hit.kind, hit.from_s) for hit in silent] == [("bus_silent", ended_s)]
+
+
+def test_what_nobody_looked_at_is_neither_silence_nor_jump(bus: Bus) -> None:
+    bus.ask()
+    bus.live.skip()
+    bus.now_s += 1000
+    bus.ask(after_unanswered=True)
+    bus.answer()
+    assert bus.told == []
+
+
+Keep = Callable[[Path], list[Path]]
+
+
+@pytest.fixture
+def keep(tshark: Tshark, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Keep]:
+    """Records a capture as if it came now; returns the kept files."""
+    monkeypatch.setattr(recorder_module, "PATIENCE_S", 60)
+
+    def keep(capture: Path) -> list[Path]:
+        folder = tmp_path / "kept"
+        folder.mkdir()
+        wanted = Wanted(folder, judges(tshark, ["faults"], LIVE), Around(10 * SECOND, 10 * SECOND), 100)
+        recorder = Recorder(wanted, tshark, {0: Interface(252, "a line")}, lambda said: pytest.fail(said))
+        first, *rest = reading.records(capture)
+        recorder.begin(first)
+        for record in rest:
+            recorder.write(record)
+        recorder.end(rest[-1].time_ns)
+        return sorted(folder.iterdir())
+
+    yield keep
+
+
+def span_s(file: Path) -> tuple[float, float]:
+    """Return when the first and the last record of a kept file came, in s of the night."""
+    events = (Event.CAPTURE_STARTED, Event.TOLD_BEFORE)
+    times = [record.time_ns for record in reading.records(file) if record.event not in events]
+    return min(times) / SECOND - planted.BEGIN_S, max(times) / SECOND - planted.BEGIN_S
+
+
+def test_each_event_of_a_night_is_kept_with_what_is_around_it(tmp_path: Path, keep: Keep) -> None:
+    spans = list(map(span_s, keep(planted.play(tmp_path / "night.pcapng"))))
+    for event in planted.PLANTED:
+        assert any(begin_s < event.second - 5 and event.second + 5 < end_s for begin_s, end_s in spans), event
+    assert any(begin_s < 260 and end_s > 320 for begin_s, end_s in spans)  # what came before the silence, too
+    assert sum(end_s - begin_s for begin_s, end_s in spans) < 420  # and nothing else of 480 s
+
+
+def test_nothing_is_kept_of_a_night_without_events(tmp_path: Path, keep: Keep) -> None:
+    assert keep(planted.play(tmp_path / "clean.pcapng", is_clean=True)) == []
