@@ -255,6 +255,24 @@ def test_a_disk_that_is_full_is_told_once_and_the_capture_goes_on(
     assert len(said) == 1 and "No space left" in said[0] and recorder.kept == 0
 
 
+def test_a_ring_alone_is_compressed_up_to_its_newest_file(
+    tshark: Tshark, traffic: list[Record], tmp_path: Path
+) -> None:
+    """So after kill -9 all files open, the newest up to its last whole record."""
+    output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
+    ring = PcapngWriter(output, LINE, Counters())
+    wanted = Wanted(tmp_path, by(tshark, "nothing"), Around(SECOND, SECOND), 5, compress=True)
+    recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
+    play(recorder, traffic)
+    recorder._tidy()
+    output.close()
+    *packed, newest = sorted(tmp_path.iterdir())
+    assert packed and all(path.name.endswith(".pcapng.gz") for path in packed) and newest.suffix == ".pcapng"
+    assert recorder.kept == 0 and "0 files kept" in recorder.summary(Counters())
+    content = [record for file in (*packed, newest) for record in list(reading.records(file))[1:]]
+    assert [identity(one) for one in content if one.event != Event.TOLD_BEFORE] == list(map(identity, traffic[1:]))
+
+
 def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:
     output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
     ring = PcapngWriter(output, LINE, Counters())
@@ -439,6 +457,8 @@ def test_the_unit_is_understood_and_confined(tmp_path: Path) -> None:
         (["--keep", "faults", "-w", "-"], 2, "a recorder needs a folder"),
         (["--keep", "faults", "-w", "file"], 2, "file is no folder"),
         (["--keep", "faults", "-w", "k", "-a", "filesize:5"], 2, "-a filesize: is for the full ring"),
+        (["--keep", "nothing", "-w", "k"], 2, "--keep nothing is for a full ring alone: add -b"),
+        (["--keep", "nothing", "--keep", "faults", "-w", "k", "-b", "duration:5"], 2, "leave out other --keep"),
         (["-w", "k", "-b", "files:5"], 2, "-b files: does not say when a file is full"),
     ],
 )
@@ -459,9 +479,10 @@ def test_what_cannot_be_kept_is_refused_at_once(
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
-def test_capture_says_where_keep_went(capfd: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("option", [["--keep", "faults", "--before", "3"], ["--compress", "-b", "duration:60"]])
+def test_capture_says_who_has_an_option(capfd: pytest.CaptureFixture[str], option: list[str]) -> None:
     with pytest.raises(SystemExit) as ended:
-        cli.main(["capture", "-i", "x", "--keep", "faults", "--before", "3", "-w", "kept"])
+        cli.main(["capture", "-i", "x", *option, "-w", "kept"])
     err = capfd.readouterr().err
     assert ended.value.code == 2 and "`sistap record`" in err and err.count("\n") == 1
 

@@ -143,10 +143,10 @@ def _condition(text: str) -> tuple[str, float]:
 
 
 class _Moved(argparse.Action):
-    """An option that has become a command."""
+    """An option of the recorder."""
 
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        parser.exit(USAGE, "sistap: --keep is a command of its own: write `sistap record` for `sistap capture`\n")
+    def __call__(self, parser: argparse.ArgumentParser, _: object, __: object, option: str | None = None) -> NoReturn:
+        parser.exit(USAGE, f"sistap: {option} is for `sistap record`: write that for `sistap capture`\n")
 
 
 def add_line_arguments(parser: argparse.ArgumentParser) -> None:
@@ -219,6 +219,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="upper-pdu (default) keeps everything; rtac and user0 to user15 keep only telegrams, for other tools",
     )
     add("--keep", action=_Moved, help=argparse.SUPPRESS)
+    add("--compress", action=_Moved, nargs=0, help=argparse.SUPPRESS)
     add_end_arguments(parser)
 
 

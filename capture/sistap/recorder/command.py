@@ -19,7 +19,7 @@ from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
 from sistap.recorder import retention
 from sistap.recorder.keeper import Around
-from sistap.recorder.reasons import FAULTS, FILTERS
+from sistap.recorder.reasons import FAULTS, FILTERS, NOTHING
 from sistap.recorder.recorder import Recorder, Wanted
 from sistap.recorder.watching import judges
 from sistap.records.counters import Counters
@@ -53,6 +53,8 @@ examples:
                                                                around each telegram about a parameter
   sistap record -i /dev/ttyUSB0 -w kept/ -b duration:3600 -b files:168
                                                                also all records, in a ring of a week
+  sistap record -i /dev/ttyUSB0 -w kept/ --keep nothing -b duration:3600 --compress
+                                                               all records alone, compressed: 3 to 12 times smaller
 
 exit status:
   0  done; also when stopped by Ctrl-C, SIGTERM, or the end of the terminal
@@ -75,8 +77,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="FILTER",
         help=f"keep a file around each packet that matches this display filter (default {FAULTS}). {FAULTS} is what "
-        f"happens, as `sistap report` tells it, {' and '.join(FILTERS)} a filter that is ready-made; can be given "
-        "several times",
+        f"happens, as `sistap report` tells it, {' and '.join(FILTERS)} a ready-made filter, {NOTHING} leaves only "
+        "the full ring of -b; can be given several times",
     )
     add_rule(parser, LIVE)
     add(
@@ -133,6 +135,8 @@ def _record(args: argparse.Namespace, console: Console) -> int:
     files = options.limits.keep
     if "filesize" in options.autostop and not options.ring:
         raise UsageError("-a filesize: is for the full ring: add -b duration:SECONDS or -b filesize:KB")
+    if NOTHING in args.keep and (len(args.keep) > 1 or not options.ring):
+        raise UsageError(f"--keep {NOTHING} is for a full ring alone: add -b duration:SECONDS, leave out other --keep")
     with Tshark() as tshark:
         deciding = judges(tshark, args.keep or [FAULTS], args.thresholds)
     _make(folder)

@@ -16,6 +16,7 @@ from sistap.wireshark import rows
 from sistap.wireshark.tshark import Tshark
 
 FAULTS = "faults"  # by the episodes
+NOTHING = "nothing"  # the full ring is enough
 FILTERS = {"writes": WRITE.filter}  # ready-made ones
 _MARK = ("frame.number", "data.data")
 _LONGEST = 40  # characters of the word

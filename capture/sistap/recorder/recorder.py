@@ -93,7 +93,7 @@ class Recorder:
 
     def summary(self, counters: Counters) -> str:
         """Return what was heard, and what was kept."""
-        count = max(relay.unjudged for relay in self.relays)
+        count = max((relay.unjudged for relay in self.relays), default=0)
         unjudged = f"; {count} records were not tested with the filter" if count else ""
         return f"{counters}; {self.kept} file{'' if self.kept == 1 else 's'} kept in {self._wanted.folder}{unjudged}"
 
@@ -120,6 +120,8 @@ class Recorder:
         self._settings[record.line] = record.settings
         self._check()
         if self._trouble:
+            return True
+        if not self.relays:
             return True
         if self._queue.qsize() >= MOST_WAITING:
             self._left_out += 1
@@ -208,7 +210,7 @@ class Recorder:
         """Keep what all have judged by now."""
         for waiting, judged in zip(self._judged, more, strict=True):
             waiting.extend(judged)
-        while all(self._judged):
+        while self._judged and all(self._judged):
             self._keep([waiting.popleft() for waiting in self._judged])
 
     def _keep(self, same: Sequence[Judged]) -> None:

@@ -11,7 +11,7 @@ from sistap.episodes.rules import Thresholds
 from sistap.explain.fields import Fields
 from sistap.explain.relay import Judged
 from sistap.packets.dissection import FIELDS, packet_of
-from sistap.recorder.reasons import FAULTS, ByFilter, Reason
+from sistap.recorder.reasons import FAULTS, NOTHING, ByFilter, Reason
 from sistap.wireshark.tshark import Tshark
 
 
@@ -49,6 +49,8 @@ Judge = ByEpisodes | ByFilter
 
 def judges(tshark: Tshark, keep: Sequence[str], thresholds: Thresholds) -> list[Judge]:
     """Return who decides: one for each value of --keep. UsageError; TsharkError without a dissector for SIS."""
+    if NOTHING in keep:
+        return []
     watching: list[Judge] = [ByEpisodes(tshark, thresholds)] if FAULTS in keep else []
     return watching + [ByFilter(tshark, one) for one in dict.fromkeys(keep) if one != FAULTS]
 
