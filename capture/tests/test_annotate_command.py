@@ -342,9 +342,10 @@ SESSION = "BCD:21\r\nE21:>S-0-0051,7,R\r\n12.3456\r\nE21:>\r\n"
 )
 def test_a_log_of_the_ascii_protocol(log: str, code: int, tmp_path: Path) -> None:
     (tmp_path / "x").write_text(log)
-    said = run(tmp_path, "x").stderr.decode().splitlines()
+    done = run(tmp_path, "x")
+    said = done.stderr.decode().splitlines()
     assert said[-1] == "sistap: x has lines of the ASCII protocol of drives: explain them with --framing ascii"
-    assert run(tmp_path, "x").returncode == code
+    assert done.returncode == code
     assert b"ASCII protocol" not in run(tmp_path, "x", "--framing", "ascii").stderr
 
 

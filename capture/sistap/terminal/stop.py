@@ -8,6 +8,10 @@ wait where nothing can check it: for tshark, for the reader of a pipe, in a libr
 An exception that comes at any instruction can be swallowed: Python drops it in `__del__`, and libraries catch anything.
 So Stopped is raised again and again until the command has ended, but never where Stopped is being handled.
 
+A flag with `signal.set_wakeup_fd`, checked where a command waits, would be shorter here and longer everywhere else: a
+report reads tshark for minutes, then counts for seconds; `tables` is in a library; a log is read from a pipe. Each of
+these would need a check, and one that forgets it ignores Ctrl-C. Only a capture has one place where it waits.
+
 Two things must never be interrupted: making something that must be removed again, and removing it. Both happen while
 Stopped is `held`. Everything else may be left at any instruction.
 
