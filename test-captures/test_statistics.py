@@ -7,7 +7,6 @@ At 9600 8E1 a character takes 1.146 ms.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -35,22 +34,39 @@ def tree(text: str) -> list[tuple[str, int]]:
     return [(indent + name, int(count)) for indent, name, count in counts]
 
 
-@pytest.fixture
-def statistics(tshark: Tshark) -> Callable[[str], str]:
-    return lambda name: tshark.output("-q", "-z", name, "-r", str(CAPTURE))
-
-
 PAGE = (CAPTURE.parents[1] / "plugin" / "docs" / "statistics.md").read_text("utf-8")
+TITLES = {
+    "conv,sis": "SIS Conversations",
+    "endpoints,sis": "SIS Endpoints",
+    "sis,bus": "SIS bus by station:",
+    "sis,tza": "SIS intervals by talker (TzA):",
+    "sis,parameters": "SIS parameters:",
+    "sis,tree": "SIS telegrams:",
+    "sertap,tree": "Serial tap: characters and intervals:",
+    "rk512i,srt": "RK512I SRT Statistics:",
+    "sis,srt": "SIS SRT Statistics:",
+    "sisascii,srt": "SISASCII SRT Statistics:",
+}
 
 
-@pytest.mark.parametrize("name", re.findall(r"^\| `(\S+)` \| \*", PAGE, re.MULTILINE))
-def test_each_name_of_the_page_is_known(statistics: Callable[[str], str], name: str) -> None:
-    assert "=====" in statistics(name)
+@pytest.fixture(scope="module")
+def statistics(tshark: Tshark) -> dict[str, str]:
+    """Return each table by its name, from one run of tshark."""
+    wanted = [word for name in TITLES for word in ("-z", name)]
+    printed = tshark.output("-q", *wanted, "-r", str(CAPTURE))
+    parts = re.split(rf"^({'|'.join(map(re.escape, TITLES.values()))})\n", printed, flags=re.MULTILINE)
+    by_title = dict(zip(parts[1::2], parts[2::2], strict=True))
+    return {name: by_title[title] for name, title in TITLES.items()}
 
 
-def test_intervals_by_talker(statistics: Callable[[str], str]) -> None:
+def test_each_name_of_the_page_is_known(statistics: dict[str, str]) -> None:
+    assert sorted(re.findall(r"^\| `(\S+)` \| \*", PAGE, re.MULTILINE)) == sorted(statistics)
+    assert all("=====" in text for text in statistics.values())
+
+
+def test_intervals_by_talker(statistics: dict[str, str]) -> None:
     # telegrams, characters, p50, p99, longest, exceeded, unresolved, in one read, then the histogram
-    assert table(statistics("sis,tza")) == {
+    assert table(statistics["sis,tza"]) == {
         "All": "11 108 1.146 12.000 12.000 1 0 0 0 96 0 0 1 0 0".split(),
         "16": "6 54 1.146 12.000 12.000 1 0 0 0 47 0 0 1 0 0".split(),
         "3": "4 42 1.146 1.146 1.146 0 0 0 0 38 0 0 0 0 0".split(),
@@ -58,8 +74,8 @@ def test_intervals_by_talker(statistics: Callable[[str], str]) -> None:
     }
 
 
-def test_bus_by_station(statistics: Callable[[str], str]) -> None:
-    rows = table(statistics("sis,bus"))
+def test_bus_by_station(statistics: dict[str, str]) -> None:
+    rows = table(statistics["sis,bus"])
     loads = {station: float(row.pop(8)) for station, row in rows.items()}
     # telegrams, repeats, unanswered, TzA, TrS, damaged, line errors, characters, longest silence, silences, cycles
     assert rows == {
@@ -92,14 +108,14 @@ def test_silences_longer_than_an_interval_can_be(tshark: Tshark, tmp_path: Path)
 
 
 @pytest.mark.parametrize(("name", "title"), [("sis,tza", "Talker"), ("sis,bus", "Station")])
-def test_the_first_title_leaves_room_for_the_arrow(statistics: Callable[[str], str], name: str, title: str) -> None:
+def test_the_first_title_leaves_room_for_the_arrow(statistics: dict[str, str], name: str, title: str) -> None:
     """Wireshark makes the column as wide as its title, and then draws the arrow over the end of it."""
-    assert re.search(rf"^{title} {{4,}}\|", statistics(name), re.MULTILINE)
+    assert re.search(rf"^{title} {{4,}}\|", statistics[name], re.MULTILINE)
 
 
-def test_service_response_times(statistics: Callable[[str], str]) -> None:
+def test_service_response_times(statistics: dict[str, str]) -> None:
     rows = re.findall(
-        r"^ +(\d+) +(\S.*?) {2,}(\d+) +([\d.]+) +([\d.]+) +([\d.]+) ", statistics("sis,srt"), re.MULTILINE
+        r"^ +(\d+) +(\S.*?) {2,}(\d+) +([\d.]+) +([\d.]+) +([\d.]+) ", statistics["sis,srt"], re.MULTILINE
     )
     assert rows == [
         ("3", "Initialization of the SIS communication", "2", "0.025000", "0.025000", "0.025000"),
@@ -107,8 +123,8 @@ def test_service_response_times(statistics: Callable[[str], str]) -> None:
     ]
 
 
-def test_tree(statistics: Callable[[str], str]) -> None:
-    assert sorted(tree(statistics("sis,tree"))) == sorted(
+def test_tree(statistics: dict[str, str]) -> None:
+    assert sorted(tree(statistics["sis,tree"])) == sorted(
         [
             ("Telegrams", 12),
             (" By service", 11),

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from usb_captures import USBMON, USBPCAP
 
 from sistap import cli
 from sistap.captures.reading import packets, record_of
@@ -24,14 +26,25 @@ class Imported(NamedTuple):
     events: list[str]
 
 
+# The beginnings of captures that usb_captures makes, and what tshark says of the protocols of their packets.
+USB = {struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 262144, link_type) for link_type in (USBMON, USBPCAP)}
+USB_PROTOCOLS = ["usb"]
+
+
 @contextmanager
 def _each_reading_once() -> Iterator[None]:
-    """Answer repeated identical queries of a capture from memory: an import reads a USB capture twice."""
+    """Answer what is known without another tshark: a capture is read twice, and what was made here is USB.
+
+    Real captures, which test_import_real.py reads, are recognised by tshark.
+    """
     said: dict[tuple[bytes, tuple[str, ...]], list[str]] = {}
     ask = Tshark.lines
 
     def lines(self: Tshark, arguments: Sequence[str]) -> Generator[str, None, None]:
-        key = Path(arguments[arguments.index("-r") + 1]).read_bytes(), tuple(arguments)
+        capture = Path(arguments[arguments.index("-r") + 1]).read_bytes()
+        key = capture, tuple(arguments)
+        if arguments[-1] == "frame.protocols" and capture[:24] in USB:
+            said.setdefault(key, USB_PROTOCOLS)
         if key not in said:
             rows = []
             for row in ask(self, arguments):

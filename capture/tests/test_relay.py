@@ -194,8 +194,9 @@ class Lying:
 @pytest.mark.parametrize("line", ["", "nonsense", "-3\t", "99999\t", "12345678901234567890\t", "²\t", "0\t"])
 @pytest.mark.attack("tshark prints lines that are none of its answers", "another one goes on; nothing is lost")
 def test_a_tshark_that_prints_nonsense_is_replaced(
-    tested: Watched, traffic: list[Record], expected: list[int], line: str
+    tshark: Tshark, traffic: list[Record], expected: list[int], line: str
 ) -> None:
+    tested = Watched(tshark, SEAMS._replace(packets=len(traffic)))
     tsharks = [cast(Running, Lying(line))]
     tested.relay._start = lambda token: tsharks.pop() if tsharks else tested.start(token)
     tested.play(traffic)
@@ -203,3 +204,4 @@ def test_a_tshark_that_prints_nonsense_is_replaced(
     (said,) = tested.said
     assert said == f"tshark has printed what was not asked for: {visible(line)}; another one goes on"
     assert not tested.relay.unjudged
+    tested.relay.close()
