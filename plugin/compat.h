@@ -68,6 +68,15 @@ typedef gboolean compat_uat_bool;
     ((void)(count), register_follow_stream(protocol, tap, by_packet, by_index, by_address, port, packet))
 #endif
 
+/* From 4.6 on, a statistic says whether it could begin. */
+#if WIRESHARK_AT_LEAST(4, 6)
+typedef bool compat_stat_begun;
+#define COMPAT_STAT_BEGUN(begun) return (begun)
+#else
+typedef void compat_stat_begun;
+#define COMPAT_STAT_BEGUN(begun) ((void)(begun))
+#endif
+
 /* dissector_try_uint_new() is deprecated from 4.6 on. */
 #if WIRESHARK_AT_LEAST(4, 6)
 #define compat_try_uint(table, key, tvb, pinfo, tree, data)                                                  \

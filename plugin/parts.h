@@ -27,6 +27,7 @@ void sis_tables_register(void);
 void sis_access_register(void);
 void sis_access_table_register(void);
 void sis_follow_register(void);
+void sis_rows_register(void);
 
 void sisascii_register(void);
 void sisascii_handoff(void);

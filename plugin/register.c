@@ -43,6 +43,7 @@ proto_register_sis(void)
     sis_access_register();
     sis_access_table_register();
     sis_follow_register();
+    sis_rows_register();
 }
 
 void

@@ -89,7 +89,7 @@ def test_a_master_that_asks_once_a_minute_is_no_fault(tmp_path: Path, capsys: py
 
 
 def packet(second: float) -> Packet:
-    return Packet(int(second) + 1, second, second, "", FRAME, 9600, "8E1", None, None, "", [], 0, 0)
+    return Packet("", FRAME, None, 9600, "8E1", None, None, "", 0, 0, (), int(second) + 1, second, second, None, [])
 
 
 def heard(silences_s: Iterable[float]) -> list[Hit]:
@@ -127,7 +127,7 @@ def test_values_after_a_write_without_a_reaction_are_no_step() -> None:
     def say(value: float, *, is_write: bool = False, has_reaction: bool = True) -> None:
         number = next(numbers)
         ident, service = ("S-0-0036", 0x1F) if is_write else ("S-0-0040", 0x10)
-        command = (True, service, 16, 3, False, None, False, False, None, False, not has_reaction)
+        command = (True, service, 16, 3, False, None, False, False, False, not has_reaction, "", False, None)
         columns = {"sis.parameter": ident, "sis.service": str(service)}
         telegram = Telegram(*command, None, None, None, None, None, None, columns)
         parameter = Parameter("", "3", 7, ident)

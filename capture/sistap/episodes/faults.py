@@ -8,13 +8,12 @@ from typing import Any
 
 from sistap.episodes.episode import Hit
 from sistap.episodes.rules import Severity
-from sistap.packets.dissection import EXCEEDED, LOST, UNRESOLVED, Judged, Packet, Telegram
+from sistap.packets.dissection import DOUBTFUL, EXCEEDED, LOST, Judged, Packet, Telegram
 from sistap.records.record import Event, interval_text
 from sistap.sis.telegram import service_name
 from sistap.wireshark.rows import OTHER
 
 _ALL = 255  # the address of all stations
-_TOLD = (EXCEEDED, UNRESOLVED)
 _KINDS = {"damaged": "damaged", "error_reaction": "error"}  # of faults in the table
 _LIMITS = (("late", "TrS", "reaction"), ("interval", "TzA", "pause"), ("cycle", "Tmas", "cycle"))
 
@@ -39,14 +38,16 @@ class Faults:
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return the hits of a packet."""
-        is_bad = not all(telegram.good for telegram in packet.telegrams)
+        is_bad = False
+        for telegram in packet.telegrams:
+            is_bad |= not telegram.good
         is_other = packet.type == OTHER and self._asked is not None
         hits: list[Hit] = []
         if is_bad or is_other or packet.errors or packet.event == Event.CHARACTERS_LOST:
             hits += self._damage(packet, is_bad=is_bad, is_other=is_other)
         for telegram in packet.telegrams:
             if telegram.good:
-                if any(judged and judged.verdict in _TOLD for judged in telegram.judged):
+                if telegram.is_doubtful:
                     hits += _limits(packet, telegram)
                 if telegram.has_system_error or telegram.is_refusal:
                     hits += _errors(packet, telegram)
@@ -74,7 +75,7 @@ class Faults:
 def _limits(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
     for kind, name, field in _LIMITS:
         judged: Judged | None = getattr(telegram, field)
-        if not judged or judged.verdict not in _TOLD or (kind == "interval" and packet.errors & LOST):
+        if not judged or judged.verdict not in DOUBTFUL or (kind == "interval" and packet.errors & LOST):
             continue
         limit = f", {name} {judged.limit_s * 1e3:g} ms" if judged.limit_s is not None else ""
         position = f" before character {telegram.pause_position}" if kind == "interval" else ""

@@ -12,7 +12,7 @@ from sistap.episodes.faults import slave
 from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.packets.dissection import Packet, Telegram
 from sistap.records.record import Event
-from sistap.wireshark.rows import EVENT, first
+from sistap.wireshark.rows import EVENT
 
 _SWITCH = 0x1D  # the service that switches phases
 _JUMPED = re.compile(r"system time jumped by ([-+][\d.]+) s")
@@ -35,9 +35,8 @@ class Phases:
         """Return switches, and phases that changed by themselves."""
         hits: list[Hit] = []
         for telegram in packet.telegrams:
-            phase = telegram.columns.get("sis.phase")
-            if phase and telegram.good:
-                hits += self._of(packet, telegram, first(phase))
+            if telegram.phase and telegram.good:
+                hits += self._of(packet, telegram, telegram.phase)
         return hits
 
     def _of(self, packet: Packet, telegram: Telegram, phase: str) -> Iterator[Hit]:

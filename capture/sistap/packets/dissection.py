@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from sistap.accesses.access import FIELD as ACCESSES
 from sistap.accesses.access import Access, accesses
@@ -25,7 +26,7 @@ from sistap.wireshark.rows import (
     NO_DISSECTOR,
     damage,
     first,
-    unknown_fields,
+    told,
 )
 from sistap.wireshark.tshark import Tshark, TsharkError
 
@@ -81,8 +82,9 @@ _SHOWN = (
 )
 _TESTED = rows.tested(test for fault in FAULTS for test in fault.tests)
 FIELDS = tuple(dict.fromkeys((*_SHOWN, *_TESTED)))
-# Those that differ from packet to packet. All others together have few different texts in a capture.
-_OWN = {
+# Those that differ from packet to packet, in the order of FIELDS. All others together have few different texts in a
+# capture.
+_OWN = (
     "frame.number",
     "frame.time_epoch",
     "frame.time_relative",
@@ -97,7 +99,8 @@ _OWN = {
     "sis.tmas.cycle",
     "sis.bus.load",
     ACCESSES,
-}.difference(_TESTED)
+)
+_ACCESSES = _OWN.index(ACCESSES)
 _REMEMBERED = 2048  # of the texts of all others; each takes some 5 kB
 _BEGINNING = {Event.CAPTURE_STARTED, Event.LIMITS_TOLD}
 _GOOD = {"1", "Good"}
@@ -126,6 +129,7 @@ class Judged(NamedTuple):
 
 
 OK, EXCEEDED, UNRESOLVED = 0, 1, 2
+DOUBTFUL = EXCEEDED, UNRESOLVED
 
 
 @dataclass(slots=True)
@@ -140,9 +144,11 @@ class Telegram:
     status: int | None
     is_refusal: bool  # a reaction with an error: in the status byte, or in the telegram control (ECODRIVE03)
     has_system_error: bool  # the sender says that it has an error (fig. 2-9)
-    command_in: int | None  # packet number
     is_repeat: bool
     unanswered: bool
+    phase: str  # as it is printed
+    is_doubtful: bool  # one of its times is beyond its limit, or may be
+    command_in: int | None  # packet number
     load_percent: float | None
     silence: Judged | None  # of the line, before it; there is no limit
     reaction: Judged | None  # TrS
@@ -151,36 +157,31 @@ class Telegram:
     pause_position: int | None  # of the character after it, from 1
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
 
-    @property
-    def judged(self) -> tuple[Judged | None, Judged | None, Judged | None]:
-        """Return the times that have a limit."""
-        return self.reaction, self.pause, self.cycle
-
 
 @dataclass(slots=True)
 class Packet:
     """A packet: a record of the serial tap, or any other carrier of telegrams. Times in s."""
 
+    interface: str
+    type: int | None  # FRAME, OTHER, EVENT; None: not a record of the tap
+    line: int | None
+    baud: int | None
+    format: str
+    framing: int | None  # of a frame; 0: SIS
+    event: int | None
+    text: str
+    same_read: int  # characters from the same read as the one before
+    errors: int  # Flags, ORed
+    faults: Sequence[Fault]
     number: int
     epoch_s: float
     time_s: float  # since the first packet
-    interface: str
-    type: int | None  # FRAME, OTHER, EVENT; None: not a record of the tap
-    baud: int | None
-    format: str
     uncertainty_s: float | None
-    event: int | None
-    text: str
     intervals_s: list[float]  # from the second character on
-    same_read: int  # characters from the same read as the one before
-    errors: int  # Flags, ORed
+    since_s: float | None = None  # from the character before it on its line to its first; None: unknown
     telegrams: list[Telegram] = field(default_factory=list)
     accesses: list[Access] = field(default_factory=list)  # to parameters
-    framing: int | None = None  # of a frame; 0: SIS
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
-    faults: Sequence[Fault] = ()
-    since_s: float | None = None  # from the character before it on its line to its first; None: unknown
-    line: int | None = None
     length_s: float = field(init=False)
     is_before: bool = False  # the time from which on the capture is told
     is_again: bool = False  # an event at the beginning of a file that continues another, which began with it, too
@@ -229,12 +230,12 @@ class Dissection:
         self._preferences = [word for name, value in preferences.items() for word in ("-o", f"{name}:{value}")]
         self._tshark = tshark
         self._capture = capture
-        self._more = more
         self._fields = (*FIELDS, *more)
+        self._own = {*_OWN, *more}
         self._keeps = keeps
         self._since_s = since_s
         self._zero_s = 0.0 if since_s == -math.inf else None  # where the seconds begin; None: not yet reached
-        self._unknown: set[str] = set()
+        self._known: Collection[str] = self._fields
         self._rows = _Rows((), ())
         self._kept = Kept()
         self.warning = ""  # what tshark said at the end of a capture that is cut off
@@ -248,17 +249,11 @@ class Dissection:
     @property
     def missing(self) -> list[str]:
         """Return the fields that the installed dissector lacks; valid after the first packets."""
-        return [name for name in self._fields if name in self._unknown]
+        return [name for name in self._fields if name not in self._known]
 
     def packets(self) -> Iterator[Packet]:
         """Yield all packets, once. May raise NotACapture, TsharkError and Incomplete."""
-        try:
-            yield from _of_traffic(self._packets())
-        except _UnknownFields as unknown:
-            self._unknown |= unknown.names
-            if NECESSARY in self._unknown:
-                raise TsharkError(NO_DISSECTOR) from None
-            yield from _of_traffic(self._packets())
+        return _of_traffic(self._packets())
 
     def again(self, spans: Collection[Span]) -> Iterator[Packet]:
         """Yield again the packets that begin in these spans."""
@@ -269,11 +264,9 @@ class Dissection:
                 yield packet
 
     def _packets(self) -> Iterator[Packet]:
-        self._rows = _Rows([name for name in self._fields if name not in self._unknown], self._more)
-        arguments = ["-r", str(self._capture), "-2", *self._preferences, *rows.printing(self._rows.names)]
         came = False
         try:
-            for line in self._tshark.lines(arguments):
+            for line in self._lines():
                 came = True
                 packet = self._rows.packet(line)
                 if self._zero_s is None and packet.epoch_s >= self._since_s:
@@ -284,13 +277,16 @@ class Dissection:
                     self._kept.put(packet.time_s, line)
                 yield packet
         except TsharkError as error:
-            self._judge(error, came)
+            self.warning = damage(self._capture, error, came)
 
-    def _judge(self, error: TsharkError, came: bool) -> None:
-        """Tell a damaged capture from a file that is none, and from an unknown field."""
-        if unknown := unknown_fields(str(error)):
-            raise _UnknownFields(unknown) from None
-        self.warning = damage(self._capture, error, came)
+    def _lines(self) -> Iterator[str]:
+        """Return the rows of all packets, and prepare for their columns."""
+        arguments = ["-r", str(self._capture), "-2", *self._preferences]
+        self._known, lines = told(self._tshark, arguments, sorted(self._fields, key=lambda name: name not in self._own))
+        if NECESSARY not in self._known:
+            raise TsharkError(NO_DISSECTOR)
+        self._rows = _Rows(self._known, self._own)
+        return lines
 
 
 def _of_traffic(packets: Iterable[Packet]) -> Iterator[Packet]:
@@ -318,18 +314,30 @@ def _described(beginning: list[Packet], begun: set[tuple[str, int | None, str]],
         begun.add(description)
 
 
-class _UnknownFields(Exception):
-    """tshark does not know these fields."""
+class _Columns(Mapping[str, str]):
+    """The columns of a row. Most are never looked at."""
 
-    def __init__(self, names: set[str]) -> None:
-        super().__init__(", ".join(sorted(names)))
-        self.names = names
+    __slots__ = ("_others", "_places", "_texts")
+
+    def __init__(self, places: Mapping[str, int], texts: Sequence[str], others: Mapping[str, str]) -> None:
+        """Take the texts of its own columns, with their places, and all others."""
+        self._places, self._texts, self._others = places, texts, others
+
+    def __getitem__(self, name: str) -> str:
+        place = self._places.get(name)
+        return self._others[name] if place is None else self._texts[place]
+
+    def __iter__(self) -> Iterator[str]:
+        return itertools.chain(self._places, self._others)
+
+    def __len__(self) -> int:
+        return len(self._places) + len(self._others)
 
 
 class _AlikeTelegram(NamedTuple):
     """What a row says of a telegram besides what is its own."""
 
-    fields: dict[str, Any]  # of a Telegram
+    make: Callable[..., Telegram]  # of what is its own
     trs: tuple[float | None, int | None]  # limit and verdict
     tza: tuple[float | None, int | None]
     tmas: tuple[float | None, int | None]
@@ -338,84 +346,98 @@ class _AlikeTelegram(NamedTuple):
     def of(cls, columns: Mapping[str, str]) -> _AlikeTelegram:
         """Work it out."""
         get = columns.get
-        fields = {
-            "good": get("sis.checksum.status") in _GOOD,
-            "service": _integer(get("sis.service")),
-            "talker": _integer(get("sis.talker")),
-            "listener": _integer(get("sis.listener")),
-            "is_reaction": get("sis.control.reaction") in _TRUE,
-            "status": _integer(get("sis.status")),
-            "is_refusal": bool(_integer(get("sis.status"))) or _integer(get("sis.control.status")) == _CONTROL_ERROR,
-            "has_system_error": get("sis.control.error") in _TRUE,
-            "is_repeat": bool(get("sis.repeat_of")),
-            "unanswered": bool(get("sis.command.unanswered")),
-        }
-        trs, tza, tmas = (
+        status = _integer(get("sis.status"))
+        limits = [
             (_number(get(f"sis.{name}.limit")), _integer(get(f"sis.{name}.verdict"))) for name in ("trs", "tza", "tmas")
+        ]
+        make = partial(
+            Telegram,
+            get("sis.checksum.status") in _GOOD,
+            _integer(get("sis.service")),
+            _integer(get("sis.talker")),
+            _integer(get("sis.listener")),
+            get("sis.control.reaction") in _TRUE,
+            status,
+            bool(status) or _integer(get("sis.control.status")) == _CONTROL_ERROR,
+            get("sis.control.error") in _TRUE,
+            bool(get("sis.repeat_of")),
+            bool(get("sis.command.unanswered")),
+            first(get("sis.phase", "")),
+            any(verdict in DOUBTFUL for _, verdict in limits),
         )
-        return cls(fields, trs, tza, tmas)
+        return cls(make, *limits)
 
 
 class _Alike(NamedTuple):
     """What a row says besides what is its own, worked out once for all rows that say the same."""
 
-    columns: dict[str, str]
-    packet: dict[str, Any]  # fields of a Packet
+    columns: Mapping[str, str]
+    make: Callable[..., Packet]  # of what is its own
     telegram: _AlikeTelegram | None  # if there is exactly one
     telegrams: int
     unknown: int  # intervals
 
     @classmethod
-    def of(cls, columns: dict[str, str]) -> _Alike:
+    def of(cls, columns: Mapping[str, str]) -> _Alike:
         """Work it out."""
         starts = columns.get("sis.start")
         telegrams = starts.count(JOINT) + 1 if starts else 0
         unknown = _how_often(columns.get("sertap.interval.unknown"))
         return cls(
-            columns, _of_packet(columns), _AlikeTelegram.of(columns) if telegrams == 1 else None, telegrams, unknown
+            columns, _making(columns), _AlikeTelegram.of(columns) if telegrams == 1 else None, telegrams, unknown
         )
 
 
 class _Rows:
     """Makes packets of the rows that tshark prints. Each row ends with the columns that are not its own."""
 
-    def __init__(self, names: Collection[str], more: Collection[str]) -> None:
-        """Print these fields; `more` of them are own, too."""
-        own = _OWN.union(more)
-        self._own = [name for name in names if name in own]
-        self._others = [name for name in names if name not in own]
-        self.names = self._own + self._others
+    def __init__(self, names: Sequence[str], own: Collection[str]) -> None:
+        """Take rows of these columns, of which these are own."""
+        count = sum(name in own for name in names)
+        self._others = list(names[count:])
+        self._count = count
+        self._unknown = [place for place, name in enumerate(_OWN) if name not in names]
+        known = _OWN + tuple(name for name in names[:count] if name not in _OWN)
+        self._places = {name: place for place, name in enumerate(known)}
         self._alike = lru_cache(_REMEMBERED)(self._work_out)
 
     def packet(self, row: str) -> Packet:
         """Return the packet of a row."""
-        texts = rows.safe(row).split("\t", len(self._own))
-        alike = self._alike("\t".join(texts[len(self._own) :]))
-        columns = alike.columns.copy()
-        columns.update(zip(self._own, texts, strict=False))
-        return packet_of(columns, alike)
+        texts = rows.safe(row).split("\t", self._count)
+        others = texts.pop()
+        for place in self._unknown:
+            texts.insert(place, "")
+        alike = self._alike(others)
+        return _packet(_Columns(self._places, texts, alike.columns), texts, alike)
 
     def _work_out(self, text: str) -> _Alike:
-        own = dict.fromkeys(self._own, "")  # a copy of the columns has room for them
-        return _Alike.of(own | dict(zip(self._others, text.split("\t"), strict=False)))
+        return _Alike.of(dict(zip(self._others, text.split("\t"), strict=False)))
 
 
-def packet_of(columns: dict[str, str], alike: _Alike | None = None) -> Packet:
-    """Return the packet of a row; `alike`: what is known of such rows."""
-    alike = alike or _Alike.of(columns)
-    text = columns.get("sertap.interval")
+def packet_of(columns: Mapping[str, str]) -> Packet:
+    """Return the packet of a row."""
+    return _packet(columns, _own(columns), _Alike.of(columns))
+
+
+def _own(columns: Mapping[str, str]) -> list[str]:
+    return [columns.get(name, "") for name in _OWN]
+
+
+def _packet(columns: Mapping[str, str], own: list[str], alike: _Alike) -> Packet:
+    """Return the packet of a row: its own texts, and what is known of such rows."""
+    number, epoch, relative, uncertainty, text = own[:5]
     intervals_s = list(map(float, text.split(JOINT))) if text else []
-    return Packet(
-        number=int(columns["frame.number"]),
-        epoch_s=float(columns["frame.time_epoch"] or 0),
-        time_s=float(columns["frame.time_relative"] or 0),
-        uncertainty_s=_known_number(columns.get("sertap.uncertainty")),
-        intervals_s=_inside(intervals_s, alike.unknown),
-        telegrams=_telegrams(columns, alike),
-        accesses=list(accesses(columns)) if columns.get(ACCESSES) else [],
-        columns=columns,
-        since_s=intervals_s[0] if intervals_s and not alike.unknown else None,
-        **alike.packet,
+    since_s = intervals_s[0] if intervals_s and not alike.unknown else None
+    return alike.make(
+        int(number),
+        float(epoch or 0),
+        float(relative or 0),
+        _known_number(uncertainty),
+        _inside(intervals_s, alike.unknown),
+        since_s,
+        _telegrams(columns, own, alike),
+        list(accesses(columns)) if own[_ACCESSES] else [],
+        columns,
     )
 
 
@@ -426,56 +448,59 @@ def _inside(intervals_s: list[float], unknown: int) -> list[float]:
     return intervals_s if unknown else intervals_s[1:]
 
 
-def _of_packet(columns: Mapping[str, str]) -> dict[str, Any]:
+def _making(columns: Mapping[str, str]) -> Callable[..., Packet]:
+    """Return what makes a packet of what is its own."""
     get = columns.get
-    return {
-        "interface": get("frame.interface_name", ""),
-        "type": _integer(get("sertap.type")),
-        "baud": _integer(get("sertap.baud")),
-        "format": get("sertap.format", ""),
-        "event": _integer(get("sertap.event")),
-        "text": get("sertap.text", ""),
-        "same_read": _how_often(get("sertap.same_read")),
-        "errors": sum(flag for name, flag in _LINE_ERRORS if _how_often(get(name))),
-        "framing": _integer(get("sertap.framing")),
-        "line": _integer(get("sertap.line")),
-        "faults": tuple(fault for fault in FAULTS if rows.passes(fault.tests, columns)),
-    }
+    return partial(
+        Packet,
+        get("frame.interface_name", ""),
+        _integer(get("sertap.type")),
+        _integer(get("sertap.line")),
+        _integer(get("sertap.baud")),
+        get("sertap.format", ""),
+        _integer(get("sertap.framing")),
+        _integer(get("sertap.event")),
+        get("sertap.text", ""),
+        _how_often(get("sertap.same_read")),
+        sum(flag for name, flag in _LINE_ERRORS if _how_often(get(name))),
+        tuple(fault for fault in FAULTS if rows.passes(fault.tests, columns)),
+    )
 
 
-def _telegrams(columns: dict[str, str], alike: _Alike) -> list[Telegram]:
+def _telegrams(columns: Mapping[str, str], own: list[str], alike: _Alike) -> list[Telegram]:
     """Return the telegrams of a packet: TCP may carry several."""
     if alike.telegram:
-        return [_telegram(columns, alike.telegram)]
+        return [_telegram(columns, own, alike.telegram)]
+    if not alike.telegrams:
+        return []
     # If not all of them have a field, its values are ambiguous and are left out.
     split = {name: text.split(JOINT) for name, text in columns.items() if name.startswith("sis.")}
     parts = [
         {name: texts[index] for name, texts in split.items() if len(texts) == alike.telegrams}
         for index in range(alike.telegrams)
     ]
-    return [_telegram(part, _AlikeTelegram.of(part)) for part in parts]
+    return [_telegram(part, _own(part), _AlikeTelegram.of(part)) for part in parts]
 
 
-def _telegram(columns: Mapping[str, str], alike: _AlikeTelegram) -> Telegram:
-    get = columns.get
-    return Telegram(
-        command_in=_integer(get("sis.command_in")),
-        load_percent=_number(get("sis.bus.load")),
-        silence=_judged(get("sis.silence_before")),
-        reaction=_judged(get("sis.reaction_time"), *alike.trs),
+def _telegram(columns: Mapping[str, str], own: list[str], alike: _AlikeTelegram) -> Telegram:
+    longest, command_in, silence, reaction, longest_judged, position, cycle, load = own[5:_ACCESSES]
+    return alike.make(
+        _integer(command_in),
+        _number(load),
+        _judged(silence, None, None),
+        _judged(reaction, *alike.trs),
         # A dissector without a verdict on TzA still has the longest interval of a record.
-        pause=_judged(get("sis.tza.interval_max") or get("sertap.interval.max"), *alike.tza),
-        cycle=_judged(get("sis.tmas.cycle"), *alike.tmas),
-        pause_position=_known_integer(get("sis.tza.position")),
-        columns=columns,
-        **alike.fields,
+        _judged(longest_judged or longest, *alike.tza),
+        _judged(cycle, *alike.tmas),
+        _known_integer(position),
+        columns,
     )
 
 
-def _judged(time: str | None, limit_s: float | None = None, verdict: int | None = None) -> Judged | None:
-    if not time and verdict is None:
-        return None
-    return Judged(float(first(time)) if time else 0.0, limit_s, verdict)
+def _judged(time: str, limit_s: float | None, verdict: int | None) -> Judged | None:
+    if time:
+        return Judged(_float(time), limit_s, verdict)
+    return None if verdict is None else Judged(0.0, limit_s, verdict)
 
 
 def _integer(text: str | None) -> int | None:
@@ -484,12 +509,16 @@ def _integer(text: str | None) -> int | None:
 
 
 def _number(text: str | None) -> float | None:
-    return float(first(text)) if text else None
+    return _float(text) if text else None
 
 
 # For columns with few different texts.
 _known_integer = lru_cache(1024)(_integer)
 _known_number = lru_cache(1024)(_number)
+
+
+def _float(text: str) -> float:
+    return float(first(text) if JOINT in text else text)
 
 
 def _how_often(text: str | None) -> int:

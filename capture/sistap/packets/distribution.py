@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from sistap.common.quantiles import quantile
 
@@ -19,6 +19,11 @@ class Bin:
     def __init__(self) -> None:
         self.count = 0
         self.longest_s = 0.0
+
+    def join(self, other: Bin) -> None:
+        """Take in others."""
+        self.count += other.count
+        self.longest_s = max(self.longest_s, other.longest_s)
 
 
 class Distribution:
@@ -40,6 +45,24 @@ class Distribution:
         self._zeros = 0
         self._waiting: list[float] = []  # in no bin yet
         self._few: list[float] = []  # all of them, or none if there are more
+
+    @classmethod
+    def union(cls, parts: Iterable[Distribution], total_s: float) -> Distribution:
+        """Return one of all times of these, the sum of which is known exactly."""
+        union = cls()
+        union.total_s = total_s
+        for part in parts:
+            part._sort()
+            union._sorted += part._sorted
+            union._few += part._few
+            union._zeros += part._zeros
+            union._shortest_s = min(union._shortest_s, part._shortest_s)
+            union._longest_s = max(union._longest_s, part._longest_s)
+            for number, found in part._bins.items():
+                union._bins[number].join(found)
+        if union._sorted > cls.FEW:
+            union._few = []
+        return union
 
     def add(self, times_s: Sequence[float]) -> None:
         """Count times."""

@@ -107,7 +107,6 @@ class Figures:
     settings: Counter[tuple[int, str]] = field(default_factory=Counter)  # rate and format
     events: list[Packet] = field(default_factory=list)  # the first ones
     exactness: Exactness = field(default_factory=Exactness)
-    intervals: Distribution = field(default_factory=Distribution)  # inside telegrams, from character to character
     framings: Counter[int] = field(default_factory=Counter)  # frames that are no SIS telegrams, by framing
     frame_intervals: Distribution = field(default_factory=Distribution)  # inside those
     silences: Silences = field(default_factory=Silences)
@@ -159,7 +158,6 @@ class Figures:
         # The time in which characters were lost is none between neighbours.
         if packet.telegrams and not packet.errors & LOST:
             self.exactness.same_read += packet.same_read
-            self.intervals.add(packet.intervals_s)
 
     def _add_telegram(self, telegram: Telegram, at: int) -> None:
         self.telegrams += 1

@@ -46,22 +46,23 @@ class Pause:
         pause = telegram.pause
         if pause is None:
             return
+        time_s, limit_s, verdict = pause
         self.telegrams += 1
-        if pause.time_s:
-            self.times.put(pause.time_s)
-        if pause.time_s > self.longest_s:
-            self.longest_s, self.position = pause.time_s, telegram.pause_position
+        if time_s:
+            self.times.put(time_s)
+        if time_s > self.longest_s:
+            self.longest_s, self.position = time_s, telegram.pause_position
         if packet.uncertainty_s is None:
             self.unknown += 1
             return
-        most_s = pause.time_s + packet.uncertainty_s
+        most_s = time_s + packet.uncertainty_s
         self.most_s = max(self.most_s, most_s)
-        if pause.limit_s:
-            self.limits_s.add(pause.limit_s)
-            self.ratio = max(self.ratio, most_s / pause.limit_s)
-            if pause.verdict == UNRESOLVED:
+        if limit_s:
+            self.limits_s.add(limit_s)
+            self.ratio = max(self.ratio, most_s / limit_s)
+            if verdict == UNRESOLVED:
                 self.unresolved += 1
-                self.exact_s = min(self.exact_s, abs(pause.time_s - pause.limit_s))
+                self.exact_s = min(self.exact_s, abs(time_s - limit_s))
 
     @property
     def safe_ms(self) -> int | None:
@@ -84,11 +85,18 @@ class Pauses:
     _places: list[Distribution] = field(default_factory=lambda: [Distribution() for _ in range(2, MOST_PLACES + 1)])
     _waiting: list[list[float]] = field(default_factory=list)  # in no place yet
 
+    _others: Distribution = field(default_factory=Distribution)  # intervals in other telegrams
+    _total_s: float = 0.0  # of all intervals
+
     def add(self, packet: Packet) -> None:
         """Count the telegrams of a packet; where characters were lost, no interval is known."""
-        if packet.errors & LOST or len(packet.telegrams) != 1 or not packet.telegrams[0].good:
+        if packet.errors & LOST or not packet.telegrams:
             return
-        (telegram,) = packet.telegrams
+        self._total_s += packet.length_s
+        telegram = packet.telegrams[0]
+        if len(packet.telegrams) > 1 or not telegram.good:
+            self._others.add(packet.intervals_s)
+            return
         if telegram.talker is not None:
             self.talkers[Talker(telegram.talker, packet.baud or 0)].add(packet, telegram)
         self._waiting.append(packet.intervals_s)
@@ -101,6 +109,12 @@ class Pauses:
             place.add([interval_s for interval_s in intervals_s if interval_s is not None])
         last.add([interval_s for intervals_s in self._waiting for interval_s in intervals_s[len(places) :]])
         self._waiting.clear()
+
+    @property
+    def intervals(self) -> Distribution:
+        """Return all intervals inside telegrams."""
+        self._sort()
+        return Distribution.union([*self._places, self._others], self._total_s)
 
     @property
     def places(self) -> dict[int, Distribution]:

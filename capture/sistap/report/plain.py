@@ -97,7 +97,7 @@ def _report(report: Report) -> dict[str, Any]:
             "longest_s": figures.silences.longest_s,
             "longest_before_packet": figures.silences.before,
         },
-        "intervals": _distribution(figures.intervals),
+        "intervals": _distribution(figures.pauses.intervals),
         "other_frame_intervals": _distribution(figures.frame_intervals),
         "services": [
             {"service": number, "name": service_name(number), "times": _distribution(service.times)}

@@ -137,7 +137,7 @@ def _corners_of(heights: Sequence[float], edges: Sequence[float]) -> list[tuple[
 
 def intervals(report: Report) -> Drawing | None:
     """How often each interval between the characters of a telegram came, with TzA."""
-    times, limits = report.figures.intervals, report.figures.limits["tza"].limits_s
+    times, limits = report.figures.pauses.intervals, report.figures.limits["tza"].limits_s
     if not times.bins:
         return None
 

@@ -187,7 +187,7 @@ def _uncertainty(figures: Figures) -> str:
 
 def _same_read(figures: Figures) -> str:
     same_read = figures.exactness.same_read
-    return f"{same_read} of {figures.intervals.count} intervals in telegrams: their length is not known"
+    return f"{same_read} of {figures.pauses.intervals.count} intervals in telegrams: their length is not known"
 
 
 def events(report: Report) -> Table:

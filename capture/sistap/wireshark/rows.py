@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import datetime
 from functools import lru_cache
 from operator import eq, gt
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from sistap.common.packed import unpack
 from sistap.terminal.console import visible
-from sistap.wireshark.tshark import TsharkError
+from sistap.wireshark.tshark import Tshark, TsharkError
 
 NO_DISSECTOR = (
     "tshark has no dissector for SIS: `sistap install` puts one where it looks, or name its folder in "
@@ -23,6 +23,9 @@ NECESSARY = "sis.start"  # a field that every dissector for SIS has
 INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
 FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
 JOINT = "\x1f"  # between several values of a field; no text contains it
+
+_TAP = "sis,rows"  # plugin/sis/rows.c
+_NO_TAP = "Invalid -z argument"
 
 _ODD = re.compile(f"[^ -~\t{JOINT}]")  # may have to be escaped; rare
 _USUAL = bytes(byte for byte in range(128) if not _ODD.match(chr(byte)))
@@ -38,6 +41,34 @@ class NotACapture(Exception):
 def printing(names: Iterable[str], joint: str = JOINT) -> list[str]:
     """Return the arguments that make tshark print these fields; `joint` separates several values of one."""
     return ["-T", "fields", "-E", f"aggregator={joint}", *(word for name in names for word in ("-e", name))]
+
+
+def told(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> tuple[list[str], Iterator[str]]:
+    """Return those of the fields that the installed dissector knows, and a row of them for each packet.
+
+    The plugin's tap makes these fields only and no words. sis.lua has none: there `-T fields` prints the same rows, and
+    takes longer. TsharkError, also after the last row.
+    """
+    try:
+        return _headed(tshark.lines([*arguments, "-q", "-z", ",".join((_TAP, *names))]))
+    except TsharkError as error:
+        if _NO_TAP not in str(error):
+            raise
+    return _printed(tshark, arguments, names)
+
+
+def _printed(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> tuple[list[str], Iterator[str]]:
+    try:
+        return _headed(tshark.lines([*arguments, *printing(names), "-E", "header=y"]))
+    except TsharkError as error:
+        known = [name for name in names if name not in unknown_fields(str(error))]
+        if len(known) == len(names):
+            raise
+    return _printed(tshark, arguments, known)
+
+
+def _headed(lines: Iterator[str]) -> tuple[list[str], Iterator[str]]:
+    return next(lines, "").split("\t"), lines
 
 
 def columns(names: Sequence[str], line: str) -> dict[str, str]:

@@ -17,7 +17,7 @@ from sistap.wireshark.tshark import TsharkError
 
 _NO_CAPTURE = 'tshark: The file "{}" isn\'t a capture file in a format TShark understands.'
 _CUT = 'tshark: The file "{}" appears to have been cut short in the middle of a packet.'
-_ALONE = ("-2", "-n", "-l")  # wiregasm always reads in two passes, and resolves no names
+_ALONE = ("-2", "-n", "-l", "-q")  # wiregasm always reads in two passes, and resolves no names
 # It prints nothing but fields; a read filter that leaves all is for fields in the first pass, which page.lua has.
 _USUAL = {("-T", "fields"), ("-R", "frame")}
 
@@ -29,6 +29,7 @@ class Asked:
     file: str = ""
     names: list[str] = field(default_factory=list)
     joint: str = ","
+    has_header: bool = False
     filter: str = ""
     preferences: dict[str, str] = field(default_factory=dict)
     most: int = 0  # packets; 0: all
@@ -49,8 +50,10 @@ class Asked:
                 self.file = value
             case "-e":
                 self.names.append(value)
-            case "-E":
+            case "-E" if name == "aggregator":
                 self.joint = text
+            case "-E" if name == "header":
+                self.has_header = text == "y"
             case "-Y":
                 self.filter = value
             case "-o" if not name.startswith("gui."):  # the column with the information is always there
@@ -59,6 +62,8 @@ class Asked:
                 self.most = int(value)
             case "-o":
                 pass
+            case "-z":
+                raise TsharkError(f"tshark: Invalid -z argument {value}")
             case _ if (option, value) not in _USUAL:
                 raise TsharkError(f"Wireshark in a browser cannot do {option} {value}")
 
@@ -83,6 +88,8 @@ class Tshark:
             raise TsharkError(_unknown(rows.unknown))
         if not rows.isCapture:
             raise TsharkError(_NO_CAPTURE.format(asked.file))
+        if asked.has_header:
+            yield "\t".join(asked.names)
         while piece := rows.next():
             yield from piece.split("\n")
         if rows.isCut:

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The plugin's tap for rows: the same as `-T fields`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import ClassVar, cast
+
+import pytest
+from report_capture import write
+
+from sistap.packets.dissection import FIELDS
+from sistap.tables.rows import FIELDS as MORE
+from sistap.terminal.console import visible
+from sistap.wireshark import wiregasm
+from sistap.wireshark.rows import JOINT, is_cut, is_no_capture, printing, safe, told
+from sistap.wireshark.tshark import Tshark, TsharkError
+
+CAPTURES = Path(__file__).parents[2] / "test-captures"
+
+
+def asked(capture: Path) -> list[str]:
+    return ["-r", str(capture), "-2"]
+
+
+def printed(tshark: Tshark, capture: Path, names: Sequence[str]) -> list[str]:
+    try:
+        return [safe(row) for row in tshark.lines([*asked(capture), *printing(names)])]
+    except TsharkError:
+        return []  # a capture that is cut
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("capture", sorted(CAPTURES.rglob("*.pcapng")), ids=lambda capture: capture.stem)
+def test_the_tap_says_what_tshark_prints(tshark: Tshark, capture: Path) -> None:
+    expected = printed(tshark, capture, [*FIELDS, *MORE])
+    known, rows = told(tshark, asked(capture), [*FIELDS, *MORE])
+    assert known == [*FIELDS, *MORE]
+    if expected:
+        assert [safe(row) for row in rows] == expected
+
+
+def test_a_field_that_nobody_knows_is_left_out(tshark: Tshark) -> None:
+    known, rows = told(tshark, asked(CAPTURES / "accesses.pcapng"), ["frame.number", "sis.nothing", "sis.service"])
+    assert known == ["frame.number", "sis.service"]
+    assert next(rows).startswith("1\t")
+
+
+def test_no_text_of_a_capture_makes_a_row_a_column_or_a_value(tshark: Tshark, tmp_path: Path) -> None:
+    hostile = f"a\tb\nc\rd{JOINT}e\x02"
+    capture = write(tmp_path / "x.pcapng", [], started=hostile)
+    _, rows = told(tshark, asked(capture), ["sertap.text", "sertap.type"])
+    assert [row.split("\t") for row in rows] == [[visible(hostile), "2"]]
+
+
+def test_a_cut_capture_says_so_after_its_last_row(tshark: Tshark, tmp_path: Path) -> None:
+    cut = tmp_path / "x.pcapng"
+    cut.write_bytes((CAPTURES / "accesses.pcapng").read_bytes()[:-10])
+    _, rows = told(tshark, asked(cut), ["frame.number"])
+    assert next(rows) == "1"
+    with pytest.raises(TsharkError) as raised:
+        list(rows)
+    assert is_cut(raised.value)
+
+
+def test_what_is_no_capture_is_refused(tshark: Tshark, tmp_path: Path) -> None:
+    text = tmp_path / "x.pcapng"
+    text.write_text("no capture")
+    with pytest.raises(TsharkError) as raised:
+        told(tshark, asked(text), ["frame.number"])
+    assert is_no_capture(raised.value)
+
+
+def test_a_browser_has_no_tap(monkeypatch: pytest.MonkeyPatch) -> None:
+    """There the names stand before the rows, too."""
+
+    class Rows:
+        unknown: ClassVar[list[str]] = []
+        isCapture, isCut = True, False  # noqa: N815 - as in JavaScript
+        pieces: ClassVar[list[str]] = ["1\t0x10\n2\t0x12", ""]
+
+        def next(self) -> str:
+            return self.pieces.pop(0)
+
+    page = SimpleNamespace(open=lambda _capture, _asked: Rows())
+    monkeypatch.setattr(wiregasm, "_page", lambda: page)
+    known, rows = told(
+        cast(Tshark, wiregasm.Tshark()), asked(CAPTURES / "accesses.pcapng"), ["frame.number", "sis.service"]
+    )
+    assert (known, list(rows)) == (["frame.number", "sis.service"], ["1\t0x10", "2\t0x12"])
