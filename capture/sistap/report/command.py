@@ -91,6 +91,7 @@ def _heading(text: str) -> str:
     """Return a text that a page can show, whatever the shell has passed on."""
     return visible(text, keep="\n")
 
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.description = DESCRIPTION
