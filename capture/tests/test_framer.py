@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from itertools import accumulate, groupby, zip_longest
 
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from specification import TELEGRAMS
 
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
+from sistap.records.cut import Cut
 from sistap.records.framer import Framer, SilenceFramer, SisFramer
 from sistap.records.record import INTERVAL_MAX, Framing, Record, Type
 from sistap.sis import telegram
@@ -383,6 +385,34 @@ def test_hostile_input_stays_cheap(pattern: bytes) -> None:
     records = feed(framer, reads(*(data[i : i + 64] for i in range(0, len(data), 64)))) + framer.flush()
     assert b"".join(record.data for record in records) == data
     assert judged <= data.count(0x02)
+
+
+def calls(cut: str, data: bytes) -> int:
+    """Count what a framer calls for so many characters."""
+    made = 0
+
+    def count(_frame: object, event: str, _argument: object) -> None:
+        nonlocal made
+        made += event == "call"
+
+    framer = Cut.parse(cut).framer(0, SETTINGS)
+    pieces = reads(*(data[i : i + 64] for i in range(0, len(data), 64)))
+    before = sys.getprofile()
+    sys.setprofile(count)
+    try:
+        records = feed(framer, pieces) + framer.flush()
+    finally:
+        sys.setprofile(before)
+    assert b"".join(record.data for record in records) == data
+    return made
+
+
+@pytest.mark.attack("characters that almost form telegrams", "each costs the same, however many arrive")
+@pytest.mark.parametrize("pattern", [b"a", b"\r", b"?", b"\x02", b"\x10", b"\x02a\r", b"\x02ab\5\5", b"\x10\x03"])
+@pytest.mark.parametrize("cut", ["ascii", "3964r"])
+def test_hostile_lines_and_blocks_stay_cheap(cut: str, pattern: bytes) -> None:
+    few, many = (calls(cut, pattern * (count // len(pattern))) for count in (5_000, 20_000))
+    assert many < 5 * few
 
 
 # -- By silence -----------------------------------------------------------------------------------------------------
