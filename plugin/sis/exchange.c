@@ -336,7 +336,7 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
         exchange->reaction_time = sertap_elapsed(exchange->command_end, telegram->times.begin);
         exchange->is_measured = sis_is_measured(exchange->reaction_time, &telegram->times);
         if (sis_exchange_below(exchange) != NULL)
-            record->routed_from = sis_exchange_below(exchange)->reaction_in;
+            sis_make_rare(record)->routed_from = sis_exchange_below(exchange)->reaction_in;
         return;
     }
 }
@@ -344,17 +344,14 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
 /* Several telegrams may be in one packet. Their records form a list: proto_data with a key for each of them
  * would be searched from its beginning for every telegram. */
 static sis_record_t *
-next_record(packet_info *pinfo)
+next_record(packet_info *pinfo, const sis_record_t *before)
 {
-    const sis_record_t *before = sis_packet(pinfo)->found;
-
     return before != NULL ? before->next : p_get_proto_data(wmem_file_scope(), pinfo, proto_sis, 0);
 }
 
 static sis_record_t *
-add_record(packet_info *pinfo, const sis_telegram_t *telegram)
+add_record(packet_info *pinfo, sis_record_t *before, const sis_telegram_t *telegram)
 {
-    sis_record_t *before = sis_packet(pinfo)->found;
     sis_record_t *record = wmem_new0(wmem_file_scope(), sis_record_t);
 
     record->service = telegram->service;
@@ -396,18 +393,35 @@ note_telegram(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis
 sis_record_t *
 sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
-    sis_record_t *record = next_record(pinfo);
+    sis_packet_t *packet = sis_packet(pinfo);
+    sis_record_t *record = next_record(pinfo, packet->found);
 
     if (record == NULL && pinfo->fd->visited)
         return unseen_record(pinfo);
     if (record == NULL) {
-        record = add_record(pinfo, telegram);
+        record = add_record(pinfo, packet->found, telegram);
         note_telegram(record, tvb, pinfo, telegram);
     }
-    sis_packet(pinfo)->found = record;
+    packet->found = record;
     if (record->service != telegram->service || record->is_reaction != telegram->is_reaction)
         return unseen_record(pinfo);
     return record;
+}
+
+const sis_rare_t *
+sis_rare(const sis_record_t *record)
+{
+    static const sis_rare_t none;
+
+    return record->rare != NULL ? record->rare : &none;
+}
+
+sis_rare_t *
+sis_make_rare(sis_record_t *record)
+{
+    if (record->rare == NULL)
+        record->rare = wmem_new0(wmem_file_scope(), sis_rare_t);
+    return record->rare;
 }
 
 bool
@@ -472,7 +486,7 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
         return;
     }
     command = add_link(tree, hf_sis_command_in, tvb, exchange->command_in);
-    add_link(tree, hf_sis_routed_from, tvb, record->routed_from);
+    add_link(tree, hf_sis_routed_from, tvb, sis_rare(record)->routed_from);
     add_link(tree, hf_sis_answered_in, tvb, record->reaction_before);
     if (record->reaction_before != 0)
         expert_add_info(pinfo, root, &ei_sis_reaction_again);

@@ -105,25 +105,32 @@ typedef struct {
     const char *reason;
 } sis_ended_t;
 
-/* The results of the first pass for one telegram; rare ones are in a separate structure. */
+/* The results of the first pass that few telegrams have. */
+typedef struct {
+    const sis_ended_t *ended;         /* the transfer that this telegram ended, unfinished; NULL: none */
+    const sis_switch_t *phase_switch; /* the switch that this polls; NULL: none */
+    struct sis_cycle *cycle;          /* of the master control word; NULL: none */
+    uint32_t routed_from;             /* of a reaction: the one from one level below */
+    bool is_switch_end;               /* it ended here, successfully or not */
+} sis_rare_t;
+
+/* The results of the first pass for one telegram. A capture has millions, so what few have is elsewhere. */
 typedef struct sis_record {
     struct sis_record *next;             /* of the next telegram in the same packet; NULL: none */
     sis_exchange_t *exchange;            /* NULL: a damaged telegram, or a reaction without a command */
     const struct sis_settings *settings; /* valid for this telegram; NULL: none */
-    const sis_ended_t *ended;            /* the transfer that this telegram ended, unfinished; NULL: none */
-    const sis_switch_t *phase_switch;    /* the switch that this polls; NULL: none */
-    struct sis_cycle *cycle;             /* of the master control word; NULL: none */
+    sis_rare_t *rare;                    /* NULL: none of them; see sis_rare() */
     uint32_t reaction_before;            /* the command had been answered already, in this packet */
-    uint32_t routed_from;                /* of a reaction: the one from one level below */
     uint32_t transfer;                   /* number of the transfer that this is a piece of; 0: none */
     float load;                          /* percent; negative: not known */
     uint8_t service;                     /* identifies the telegram in later passes */
-    bool is_reaction;
-    bool is_switch_end; /* it ended here, successfully or not */
-    bool is_piece_repeated;
-    bool is_piece_missing;
-    bool is_begun_anew; /* the transfer of this last piece, after a refused one */
+    bool is_reaction : 1;
+    bool is_piece_repeated : 1;
+    bool is_piece_missing : 1;
+    bool is_begun_anew : 1; /* the transfer of this last piece, after a refused one */
 } sis_record_t;
+
+_Static_assert(sizeof(sis_record_t) <= 48, "one byte more costs 16 bytes a telegram");
 
 /* Two stations, including the route between them: a drive behind a router is not the router. */
 typedef struct {
@@ -151,6 +158,10 @@ typedef struct sis_stream {
 /* Finds the relations of a telegram: in the first pass from what is known so far, later as found then. For
  * a damaged telegram: it may have been the reaction that a command waits for. Never NULL. */
 sis_record_t *sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram);
+
+/* The rare results of a telegram: to read, and to write. Never NULL. */
+const sis_rare_t *sis_rare(const sis_record_t *record);
+sis_rare_t *sis_make_rare(sis_record_t *record);
 
 /* The same exchange one level above and one level below, if there are routers; NULL: none is known. */
 sis_exchange_t *sis_exchange_above(const sis_exchange_t *exchange);

@@ -79,7 +79,7 @@ note_end(sis_record_t *record, const transfer_t *transfer, const char *reason)
         return;
     ended = wmem_new(wmem_file_scope(), sis_ended_t);
     *ended = (sis_ended_t){transfer->begun_in, reason};
-    record->ended = ended;
+    sis_make_rare(record)->ended = ended;
 }
 
 static void
@@ -374,15 +374,17 @@ watch(const sis_body_t *body)
 void
 sis_sequence_watch(sis_body_t *body)
 {
-    sis_record_t *record = body->record;
+    const sis_record_t *record = body->record;
+    const sis_ended_t *ended;
 
     if (body->is_nested || record == NULL || record->exchange == NULL)
         return;
     if (!body->pinfo->fd->visited)
         watch(body);
-    if (record->ended == NULL)
+    ended = sis_rare(record)->ended;
+    if (ended == NULL)
         return;
     body->item = body->root;
-    add_generated(body->tree, hf_sis_sequence_begun_in, body->tvb, record->ended->begun_in);
-    sis_mark(body, &ei_sis_sequence_ended, "transfer ended unfinished: %s", record->ended->reason);
+    add_generated(body->tree, hf_sis_sequence_begun_in, body->tvb, ended->begun_in);
+    sis_mark(body, &ei_sis_sequence_ended, "transfer ended unfinished: %s", ended->reason);
 }

@@ -260,7 +260,7 @@ typedef struct sis_cycle {
 static void
 show_tmas(const timing_t *t)
 {
-    const sis_cycle_t *cycle = t->record->cycle;
+    const sis_cycle_t *cycle = sis_rare(t->record)->cycle;
     int64_t longest = t->telegram->times.record != NULL ? limit(t, SIS_TMAS, 0) : 0;
     bool is_measured = sis_is_measured(cycle->ns, &t->telegram->times);
 
@@ -373,15 +373,16 @@ static bool
 is_anything_known(const timing_t *t)
 {
     return t->timing->has_silence || t->timing->longest.interval.at > 0 || t->timing->trs > 0 ||
-           t->timing->wait >= 0 || t->record->cycle != NULL || is_rate_known(t) || t->record->load >= 0;
+           t->timing->wait >= 0 || sis_rare(t->record)->cycle != NULL || is_rate_known(t) ||
+           t->record->load >= 0;
 }
 
 /* Then there may be an expert item, which counts even without a tree. */
 static bool
 is_anything_judged(const timing_t *t)
 {
-    return t->timing->tza > 0 || t->timing->trs > 0 || t->timing->wait >= 0 || t->record->cycle != NULL ||
-           is_rate_known(t);
+    return t->timing->tza > 0 || t->timing->trs > 0 || t->timing->wait >= 0 ||
+           sis_rare(t->record)->cycle != NULL || is_rate_known(t);
 }
 
 static void
@@ -396,7 +397,7 @@ show(timing_t *t)
         show_trs(t);
     if (t->timing->wait >= 0)
         show_twm(t);
-    if (t->record->cycle != NULL)
+    if (sis_rare(t->record)->cycle != NULL)
         show_tmas(t);
     show_bus(t);
 }
@@ -424,6 +425,18 @@ typedef struct {
     sis_times_t times;
 } control_word_t;
 
+static sis_cycle_t *
+make_cycle(const control_word_t *last, const sis_times_t *times)
+{
+    sis_cycle_t *cycle = wmem_new(wmem_file_scope(), sis_cycle_t);
+
+    *cycle = (sis_cycle_t){last->frame, sertap_elapsed(last->times.begin, times->begin), {0, SIS_ANY_TIME}};
+    if (times->is_bounded && last->times.is_bounded)
+        cycle->span = (sis_span_t){sertap_elapsed(last->times.begin_latest, times->begin_earliest),
+                                   sertap_elapsed(last->times.begin_earliest, times->begin_latest)};
+    return cycle;
+}
+
 static void
 note_cycle(sis_record_t *record, const sis_telegram_t *telegram, const sis_body_t *body)
 {
@@ -444,14 +457,7 @@ note_cycle(sis_record_t *record, const sis_telegram_t *telegram, const sis_body_
         last = wmem_new(wmem_file_scope(), control_word_t);
         wmem_map_insert(bus->cycles, key, last);
     } else {
-        record->cycle = wmem_new(wmem_file_scope(), sis_cycle_t);
-        record->cycle->frame = last->frame;
-        record->cycle->ns = sertap_elapsed(last->times.begin, telegram->times.begin);
-        record->cycle->span = (sis_span_t){0, SIS_ANY_TIME};
-        if (telegram->times.is_bounded && last->times.is_bounded)
-            record->cycle->span =
-                (sis_span_t){sertap_elapsed(last->times.begin_latest, telegram->times.begin_earliest),
-                             sertap_elapsed(last->times.begin_earliest, telegram->times.begin_latest)};
+        sis_make_rare(record)->cycle = make_cycle(last, &telegram->times);
     }
     last->frame = body->pinfo->num;
     last->times = telegram->times;

@@ -30,8 +30,7 @@ take_phase(sis_body_t *body, uint32_t *phase)
 static void
 follow_switch(const sis_body_t *body, uint32_t phase)
 {
-    sis_record_t *record = body->record;
-    const sis_exchange_t *exchange = record->exchange;
+    const sis_exchange_t *exchange = body->record->exchange;
     sis_stream_t *stream = exchange->stream;
     bool is_switch = sis_general_service(body->service) == 0x1D;
 
@@ -41,12 +40,14 @@ follow_switch(const sis_body_t *body, uint32_t phase)
         *begun = (sis_switch_t){exchange->command_in, exchange->command_end, body->asked->phase};
     } else if (!is_switch) {
         sis_switch_t *begun = &stream->from[exchange->direction].phase_switch;
+        sis_rare_t *rare;
 
         if (begun->command_in == 0)
             return;
-        record->phase_switch = wmem_memdup(wmem_file_scope(), begun, sizeof *begun);
-        record->is_switch_end = body->status != 0 || phase == begun->to;
-        if (record->is_switch_end)
+        rare = sis_make_rare(body->record);
+        rare->phase_switch = wmem_memdup(wmem_file_scope(), begun, sizeof *begun);
+        rare->is_switch_end = body->status != 0 || phase == begun->to;
+        if (rare->is_switch_end)
             begun->command_in = 0;
     }
 }
@@ -54,22 +55,23 @@ follow_switch(const sis_body_t *body, uint32_t phase)
 static void
 show_switch(sis_body_t *body)
 {
-    const sis_record_t *record = body->record;
+    const sis_rare_t *rare = sis_rare(body->record);
+    const sis_switch_t *begun = rare->phase_switch;
     int64_t elapsed;
     nstime_t taken;
     const char *words, *text;
     proto_item *item;
 
-    if (record->phase_switch == NULL)
+    if (begun == NULL)
         return;
-    item = add_generated(body->tree, hf_sis_phase_switch_in, body->tvb, record->phase_switch->command_in);
-    proto_item_append_text(item, " (to phase %u)", record->phase_switch->to);
-    if (!record->is_switch_end) {
-        sis_say(body, ", switching to phase %u", record->phase_switch->to);
+    item = add_generated(body->tree, hf_sis_phase_switch_in, body->tvb, begun->command_in);
+    proto_item_append_text(item, " (to phase %u)", begun->to);
+    if (!rare->is_switch_end) {
+        sis_say(body, ", switching to phase %u", begun->to);
         return;
     }
     words = body->status == 0 ? "reached" : "failed";
-    elapsed = sertap_elapsed(record->phase_switch->begin, body->telegram->times.begin);
+    elapsed = sertap_elapsed(begun->begin, body->telegram->times.begin);
     if (!sis_is_measured(elapsed, &body->telegram->times)) {
         sis_say(body, ", %s", words);
         return;
