@@ -44,20 +44,16 @@ typedef struct {
     int64_t others;   /* from the first character to the last, at least */
     int64_t earliest; /* so long before the read the first may have come */
     int64_t latest;   /* so long before the read the last had come, at least */
+    int64_t interval; /* before the first character; only of find_reads(), and so are its flags */
+    uint8_t flags;
 } read_t;
-
-static int64_t
-shortest_character(const sis_times_t *times)
-{
-    return SHORTEST_CHARACTER(sertap_character_ns(times->record));
-}
 
 static read_t
 read_at(const sis_times_t *times, unsigned character)
 {
     read_t read = {.first = character, .size = read_size(times, character)};
 
-    read.others = (read.size - 1) * shortest_character(times);
+    read.others = (read.size - 1) * times->shortest;
     read.earliest = MAX(times->record->uncertainty, read.others);
     return read;
 }
@@ -110,6 +106,7 @@ sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length, const sis_times_t 
         return times;
     times.record = record;
     times.first = first;
+    times.shortest = SHORTEST_CHARACTER(sertap_character_ns(record));
     times.count = length;
     times.begin = moment_of(record, first, times.begin, before);
     times.end = times.begin + (int64_t)record->duration;
@@ -127,9 +124,9 @@ sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length, const sis_times_t 
 }
 
 static bool
-is_measured_before(const sis_times_t *times, const read_t *read)
+is_measured_before(const read_t *read)
 {
-    return !(flags_of(times->record, read->first) & (SERTAP_INTERVAL_UNKNOWN | SERTAP_ERROR_LOST));
+    return !(read->flags & (SERTAP_INTERVAL_UNKNOWN | SERTAP_ERROR_LOST));
 }
 
 /* All reads of a telegram. No character came before the one before it: what is known of a read bounds its
@@ -137,26 +134,28 @@ is_measured_before(const sis_times_t *times, const read_t *read)
 static unsigned
 find_reads(const sis_times_t *times, read_t *reads)
 {
-    int64_t shortest = shortest_character(times);
     unsigned count = 0;
 
-    for (unsigned i = times->first; i < times->first + times->count; i += reads[count++].size)
+    for (unsigned i = times->first; i < times->first + times->count; i += reads[count++].size) {
         reads[count] = read_at(times, i);
+        reads[count].interval = interval_of(times->record, i);
+        reads[count].flags = flags_of(times->record, i);
+    }
     if (!times->is_bounded)
         return count;
     for (unsigned i = 1; i < count; i++) {
         read_t *before = &reads[i - 1], *read = &reads[i];
-        int64_t since = interval_of(times->record, read->first) + before->earliest - before->others;
+        int64_t since = read->interval + before->earliest - before->others;
 
-        if (is_measured_before(times, read))
-            read->earliest = CLAMP(since - shortest, read->others, read->earliest);
+        if (is_measured_before(read))
+            read->earliest = CLAMP(since - times->shortest, read->others, read->earliest);
     }
     for (unsigned i = count - 1; i > 0; i--) {
         read_t *before = &reads[i - 1], *read = &reads[i];
-        int64_t until = interval_of(times->record, read->first) - read->others - read->latest;
+        int64_t until = read->interval - read->others - read->latest;
 
-        if (is_measured_before(times, read))
-            before->latest = CLAMP(shortest - until, 0, before->earliest - before->others);
+        if (is_measured_before(read))
+            before->latest = CLAMP(times->shortest - until, 0, before->earliest - before->others);
     }
     return count;
 }
@@ -165,14 +164,12 @@ find_reads(const sis_times_t *times, read_t *reads)
 static sis_span_t
 span_before(const sis_times_t *times, const read_t *before, const read_t *read)
 {
-    uint8_t flags = flags_of(times->record, read->first);
-    int64_t interval = interval_of(times->record, read->first);
-    sis_span_t span = {interval - read->earliest + before->latest,
-                       interval - read->others - read->latest + before->earliest - before->others};
+    sis_span_t span = {read->interval - read->earliest + before->latest,
+                       read->interval - read->others - read->latest + before->earliest - before->others};
 
-    if (!is_measured_before(times, read) || !times->is_bounded || span.least < 0)
+    if (!is_measured_before(read) || !times->is_bounded || span.least < 0)
         span.least = 0;
-    if (flags & (SERTAP_INTERVAL_UNKNOWN | SERTAP_INTERVAL_SATURATED) || !times->is_bounded)
+    if (read->flags & (SERTAP_INTERVAL_UNKNOWN | SERTAP_INTERVAL_SATURATED) || !times->is_bounded)
         span.most = SIS_ANY_TIME;
     return span;
 }
@@ -181,10 +178,9 @@ span_before(const sis_times_t *times, const read_t *before, const read_t *read)
 static sis_span_t
 span_inside(const sis_times_t *times, const read_t *read)
 {
-    int64_t shortest = shortest_character(times);
     int64_t rest = read->earliest - read->latest - read->others;
 
-    return (sis_span_t){shortest, times->is_bounded ? shortest + rest : SIS_ANY_TIME};
+    return (sis_span_t){times->shortest, times->is_bounded ? times->shortest + rest : SIS_ANY_TIME};
 }
 
 /* A start character and two equal lengths: a receiver restarts there after too long a pause, if the
@@ -209,9 +205,9 @@ weight(const sis_interval_t *interval, bool is_exceeded)
 }
 
 static void
-consider(sis_longest_t *longest, const sis_times_t *times, sis_interval_t interval, int64_t limit)
+consider(sis_longest_t *longest, const sis_times_t *times, sis_interval_t interval, uint8_t flags,
+         int64_t limit)
 {
-    uint8_t flags = flags_of(times->record, times->first + interval.at - 1);
     sis_verdict_t verdict = sis_judge(interval.span, limit);
     bool is_exceeded = verdict == SIS_TIME_EXCEEDED, was_exceeded = longest->verdict == SIS_TIME_EXCEEDED;
 
@@ -242,18 +238,17 @@ sis_longest(const sis_times_t *times, int64_t limit)
         limit = SIS_ANY_TIME; /* nothing exceeds it: the most that an interval can have been counts */
     for (unsigned i = 0; i < count; i++) {
         const read_t *read = &reads[i];
-        sis_interval_t interval = {.at = read->first - times->first + 1,
-                                   .recorded = interval_of(times->record, read->first)};
+        sis_interval_t interval = {.at = read->first - times->first + 1, .recorded = read->interval};
 
         if (i > 0) {
             interval.is_exact = read->size == 1 && reads[i - 1].size == 1;
             interval.span = span_before(times, &reads[i - 1], read);
-            consider(&longest, times, interval, limit);
+            consider(&longest, times, interval, read->flags, limit);
         }
         if (read->size > 1) {
             interval = (sis_interval_t){.at = read->first - times->first + 2};
             interval.span = span_inside(times, read);
-            consider(&longest, times, interval, limit);
+            consider(&longest, times, interval, flags_of(times->record, read->first + 1), limit);
         }
     }
     wmem_free(NULL, reads);

@@ -18,7 +18,8 @@ typedef struct {
     const sertap_record_t *record; /* NULL: only the packet's time is known */
     unsigned first;                /* of the record's characters */
     unsigned count;
-    int64_t begin; /* of its first character, as recorded */
+    int64_t shortest; /* ns that a character takes, at least */
+    int64_t begin;    /* of its first character, as recorded */
     int64_t begin_earliest;
     int64_t begin_latest;
     int64_t end; /* of its last character, as recorded: the upper bound */
