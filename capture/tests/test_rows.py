@@ -39,7 +39,7 @@ def test_the_tap_says_what_tshark_prints(tshark: Tshark, capture: Path) -> None:
     known, rows = told(tshark, asked(capture), [*FIELDS, *MORE])
     assert known == [*FIELDS, *MORE]
     if expected:
-        assert [safe(row) for row in rows] == expected
+        assert list(rows) == expected
 
 
 def test_a_field_that_nobody_knows_is_left_out(tshark: Tshark) -> None:

@@ -67,11 +67,15 @@ append_value(GString *text, const char *value)
 {
     if (text->len > 0)
         g_string_append_c(text, JOINT);
-    for (; *value != '\0'; value++) {
-        if (g_ascii_iscntrl(*value))
-            append_control(text, *value);
-        else
-            g_string_append_c(text, *value);
+    while (*value != '\0') {
+        const char *end = value;
+
+        while (*end != '\0' && !g_ascii_iscntrl(*end))
+            end++;
+        g_string_append_len(text, value, end - value);
+        if (*end != '\0')
+            append_control(text, *end++);
+        value = end;
     }
 }
 

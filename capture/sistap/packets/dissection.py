@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sistap.accesses.access import FIELD as ACCESSES
 from sistap.accesses.access import Access, accesses
@@ -327,6 +327,10 @@ class _Columns(Mapping[str, str]):
         place = self._places.get(name)
         return self._others[name] if place is None else self._texts[place]
 
+    def get(self, name: str, default: Any = None) -> Any:  # several times as quick as that of Mapping
+        place = self._places.get(name)
+        return self._others.get(name, default) if place is None else self._texts[place]
+
     def __iter__(self) -> Iterator[str]:
         return itertools.chain(self._places, self._others)
 
@@ -403,7 +407,7 @@ class _Rows:
 
     def packet(self, row: str) -> Packet:
         """Return the packet of a row."""
-        texts = rows.safe(row).split("\t", self._count)
+        texts = row.split("\t", self._count)
         others = texts.pop()
         for place in self._unknown:
             texts.insert(place, "")

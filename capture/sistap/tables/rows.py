@@ -18,6 +18,9 @@ from sistap.wireshark.rows import EVENT, JOINT
 FIELDS = ("sis.value", "sis.value.number", "sis.error", "sertap.character")
 _VERDICTS = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved"}
 _LARGEST = 1 << 63
+# Numbers: the operators of an enum take as long as a whole row.
+_CHARACTER_ERRORS = int(Flag.CHARACTER_ERROR | Flag.UNLOCATED_ERROR)
+_BREAK, _LOST = int(Flag.BREAK), int(Flag.LOST_BEFORE)
 
 
 class NoSuchTime(Exception):
@@ -33,16 +36,15 @@ class Row(NamedTuple):
 
 def rows(packet: Packet, file: str) -> Iterator[Row]:
     """Yield the rows of a packet. Raise NoSuchTime."""
-    said = packet.columns
     place = {
         "epoch_ns": _epoch_ns(packet),
         "port": packet.interface,
-        "line": _integer(said.get("sertap.line")),
+        "line": packet.line,
         "file": file,
         "packet": packet.number,
     }
     for number, telegram in enumerate(packet.telegrams):
-        yield Row("telegrams", place | {"place": number} | _telegram(packet, telegram))
+        yield Row("telegrams", {**place, "place": number, **_telegram(packet, telegram)})
     for number, access in enumerate(packet.accesses):
         _, route, device, ident = access.parameter
         values = {name: None if value == "" else value for name, value in access._asdict().items()}
@@ -110,11 +112,11 @@ def _telegram(packet: Packet, telegram: Telegram) -> dict[str, Any]:
         **_judged("tza", "longest_interval_s", telegram.pause),
         **_judged("tmas", "cycle_s", telegram.cycle),
         "uncertainty_s": packet.uncertainty_s,
-        "has_character_error": bool(packet.errors & (Flag.CHARACTER_ERROR | Flag.UNLOCATED_ERROR)),
-        "has_break": bool(packet.errors & Flag.BREAK),
-        "has_loss": bool(packet.errors & Flag.LOST_BEFORE),
+        "has_character_error": bool(packet.errors & _CHARACTER_ERRORS),
+        "has_break": bool(packet.errors & _BREAK),
+        "has_loss": bool(packet.errors & _LOST),
         "baud": packet.baud,
-        "phase": _integer(_one(said.get("sis.phase"))),
+        "phase": _integer(telegram.phase),
         "raw": _characters(packet) if len(packet.telegrams) == 1 else None,
     }
 
@@ -122,7 +124,7 @@ def _telegram(packet: Packet, telegram: Telegram) -> dict[str, Any]:
 def _characters(packet: Packet) -> bytes | None:
     """Return the characters of a record."""
     text = packet.columns.get("sertap.character")
-    return bytes(int(character, 0) for character in text.split(JOINT)) if text else None
+    return bytes.fromhex(text.replace(JOINT, "").replace("0x", "")) if text else None
 
 
 def _judged(limit: str, time: str, judged: Judged | None) -> dict[str, Any]:

@@ -13,7 +13,8 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from datetime import UTC, datetime, timedelta
+from datetime import date, timedelta
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -26,11 +27,12 @@ from sistap.tables.schema import TABLES
 from sistap.terminal.stop import held
 from sistap.terminal.writing import mode_like
 
-_TOGETHER = 1 << 17  # rows of all tables that wait to be written
+_TOGETHER = 1 << 16  # rows of all tables that wait to be written
 _OPEN = 32  # files open at a time
 _NOTES = "_captures"  # programs ignore names that begin with _
 _NS_PER_US = 1000
-_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)  # Windows has no time before it
+_DAY_US = 86_400_000_000
+_EPOCH = date(1970, 1, 1)  # Windows has no time before it
 _LONGEST = 100  # characters of a name that comes from a user
 
 
@@ -130,8 +132,7 @@ class _Incoming:
         if not self.id:
             self.id = _id(f"{self._capture}\0{tap}\0{values['epoch_ns']}")
         values["time"] = values["epoch_ns"] // _NS_PER_US
-        time = _EPOCH + timedelta(microseconds=values["time"])
-        self._waiting[Part(row.table, tap, time.date().isoformat())].append(values)
+        self._waiting[Part(row.table, tap, _day(values["time"] // _DAY_US))].append(values)
         self._waiting_rows += 1
         if self._waiting_rows == _TOGETHER:
             self._write()
@@ -206,6 +207,13 @@ def _id(name: str) -> str:
     return hashlib.blake2b(name.encode(), digest_size=8).hexdigest()
 
 
+@lru_cache
+def _day(number: int) -> str:
+    """Return a day, counted from 1970 on."""
+    return (_EPOCH + timedelta(days=number)).isoformat()
+
+
+@lru_cache
 def slug(name: str) -> str:
     """Return a name that is a valid folder on every system and needs no quotes in SQL."""
     return re.sub(r"[^A-Za-z0-9.-]+", "_", name).strip("_.")[:_LONGEST] or "unnamed"

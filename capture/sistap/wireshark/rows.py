@@ -44,17 +44,19 @@ def printing(names: Iterable[str], joint: str = JOINT) -> list[str]:
 
 
 def told(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> tuple[list[str], Iterator[str]]:
-    """Return those of the fields that the installed dissector knows, and a row of them for each packet.
+    """Return those of the fields that the installed dissector knows, and a safe row of them for each packet.
 
     The plugin's tap makes these fields only and no words. sis.lua has none: there `-T fields` prints the same rows, and
     takes longer. TsharkError, also after the last row.
     """
     try:
-        return _headed(tshark.lines([*arguments, "-q", "-z", ",".join((_TAP, *names))]))
+        known, lines = _headed(tshark.lines([*arguments, "-q", "-z", ",".join((_TAP, *names))]))
     except TsharkError as error:
         if _NO_TAP not in str(error):
             raise
-    return _printed(tshark, arguments, names)
+        known, lines = _printed(tshark, arguments, names)
+        return known, map(safe, lines)
+    return known, (line if line.isascii() else safe(line) for line in lines)  # the tap escapes what ASCII has
 
 
 def _printed(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> tuple[list[str], Iterator[str]]:
