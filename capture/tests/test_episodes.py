@@ -251,6 +251,17 @@ def test_scatter_and_values_that_go_back_and_forth_are_no_step(seed: int) -> Non
         assert made.drift() is None
 
 
+@pytest.mark.parametrize("seed", range(10))
+def test_a_position_that_moves_in_some_recipes_and_rests_in_others_has_no_step(seed: int) -> None:
+    """Where a turn takes as long as a read, it seems to rest, anywhere."""
+    numbers = random.Random(seed)
+    values: list[float] = []
+    for is_moving in (False, True, False, True, True, False, True, False):
+        begin = numbers.uniform(0, 360)
+        values += [(begin + 120 * number * is_moving) % 360 for number in range(68)]
+    assert list(levels(values).unusual()) == []
+
+
 def test_a_drift_has_its_slope_and_a_chance() -> None:
     made = levels([value + 0.1 * number for number, value in enumerate(scattered(1, 2000, 100))])
     assert list(made.unusual()) == []

@@ -15,6 +15,7 @@ from sistap.episodes.trend import Slots, Trend, quartiles, scatter, trend
 _RECENT = 32  # values that make the present level
 _LEAST = 8
 _FADING = 0.97  # of the usual scatter, for each _LEAST values: a drive that stands still is not the usual
+_MOVING = 0.25  # strays, and the time with so many: in between, a value that moves only seems to rest
 _RESOLUTION = 0.005  # of the level: what scatters less is a constant
 
 
@@ -26,6 +27,8 @@ class Level:
     to_s: float
     packet: int  # the first
     value: float = 0.0  # the middle of the last ones
+    count: int = 0
+    strays: int = 0  # values in between that are not alike
     is_lasting: bool = False  # it was told that it is
 
     @property
@@ -58,6 +61,7 @@ class Levels:
         if not self._levels:
             self._levels.append(Level(time_s, time_s, packet, value))
         if self._is_inside(value):
+            self._levels[-1].strays += len(self._outside)
             self._outside.clear()
             self._take(time_s, value)
         else:
@@ -85,6 +89,7 @@ class Levels:
     def _take(self, time_s: float, value: float) -> None:
         self._slots.add(time_s, value)
         self._recent.append(value)
+        self._levels[-1].count += 1
         self._levels[-1].to_s = max(time_s, self._levels[-1].to_s)
         self._since += 1
         if self._since >= _LEAST:
@@ -145,7 +150,9 @@ class Levels:
 
     def _lasting(self) -> list[Level]:
         """Return the levels that are not only a ramp; none of a value that just moves."""
-        if len(self._levels) > self._thresholds.lively:
+        moving_s = sum(level.seconds for level in self._levels if level.strays > level.count * _MOVING)
+        all_s = sum(level.seconds for level in self._levels)
+        if len(self._levels) > self._thresholds.lively or moving_s > all_s * _MOVING:
             return []
         return [level for level in self._levels if level.seconds >= self._thresholds.level_s]
 
