@@ -21,7 +21,7 @@ from sistap import cli
 from sistap.accesses.access import Access, Parameter
 from sistap.episodes.book import MOST, Book
 from sistap.episodes.engine import Engine
-from sistap.episodes.episode import PACKETS, Hit
+from sistap.episodes.episode import PACKETS, Episode, Hit
 from sistap.episodes.levels import Levels
 from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Subject
 from sistap.episodes.silence import BusSilence
@@ -115,8 +115,25 @@ def test_a_cable_that_is_off_again_and_again_is_told_each_time() -> None:
 def test_a_master_that_pauses_in_a_rhythm_is_known_after_a_while() -> None:
     """It talks longer than what is usual is remembered. A silence beside the rhythm is told."""
     rhythm_s = [silence_s for _ in range(60) for silence_s in (*TALK * 4, 45.0)]
-    assert len(heard(rhythm_s)) == THRESHOLDS.rhythm_times + 1  # the first one begins it
-    assert [hit.worst for hit in heard([*rhythm_s, *TALK, 300.0, *rhythm_s])][-2:] == pytest.approx([300, 45])
+    kinds = [hit.kind for hit in heard(rhythm_s)]
+    alone = THRESHOLDS.rhythm_times + 1  # the first one begins it
+    assert kinds == ["bus_silent"] * alone + ["rhythm"] * (60 - alone)
+    told = [hit.worst for hit in heard([*rhythm_s, *TALK, 300.0, *rhythm_s]) if hit.kind == "bus_silent"]
+    assert told[-2:] == pytest.approx([300, 45])
+
+
+def test_what_recurs_in_a_rhythm_is_told_as_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each is counted: a cable may fail in a rhythm, too."""
+    talk = [Sent(READ), Sent(ANSWER)] * 400
+    pauses = [one for _ in range(14) for one in (Sent(READ, silence_ms=10_000.0), Sent(ANSWER), *talk)]
+    capture = write(tmp_path / "rhythm.pcapng", [*talk, *pauses])
+    episodes = told(capsys, capture)
+    alone = THRESHOLDS.rhythm_times + 1
+    assert [episode["kind"] for episode in episodes] == ["bus_silent"] * alone + ["rhythm"]
+    assert episodes[-1]["count"] == 14 - alone and episodes[-1]["severity"] == "note"
+    assert cli.main(["report", "--format", "text", str(capture)]) == 0
+    first = " ".join(capsys.readouterr().out.split())
+    assert f"Bus silent {alone} times, longest 10 s" in first and "Bus silent 3 times in a rhythm" in first
 
 
 def test_values_after_a_write_without_a_reaction_are_no_step() -> None:
@@ -160,12 +177,21 @@ def test_every_command_has_the_same_rules(
     good = write(tmp_path / "good.pcapng", exchange)
     dead = write(tmp_path / "dead.pcapng", [*exchange, Sent(READ, silence_ms=300_000.0), Sent(ANSWER)])
     (tmp_path / "log.txt").write_text(cli_output(capsys, "log", str(dead)))
-    arguments = {"compare": [good, dead], "annotate": [tmp_path / "log.txt"], "tables": [dead, "-o", tmp_path / "t"]}
-    finished: list[Any] = []
+    arguments = {
+        "compare": [str(good), str(dead)],
+        "annotate": [str(tmp_path / "log.txt")],
+        "tables": [str(dead), "-o", str(tmp_path / "t")],
+    }
+    finished: list[list[Episode]] = []
     finish = Engine.finish
-    monkeypatch.setattr(Engine, "finish", lambda engine: finished.append(finish(engine)) or finished[-1])
+
+    def watched(engine: Engine) -> list[Episode]:
+        finished.append(finish(engine))
+        return finished[-1]
+
+    monkeypatch.setattr(Engine, "finish", watched)
     for longest_s, count in (("299", 1), ("301", 0)):
-        assert cli.main([command, *map(str, arguments[command]), "--rule", f"bus_silent_s={longest_s}"]) == 0
+        assert cli.main([command, *arguments[command], "--rule", f"bus_silent_s={longest_s}"]) == 0
         assert sum(episode.kind == "bus_silent" for episode in finished[-1]) == count
 
 

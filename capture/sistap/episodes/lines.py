@@ -27,6 +27,7 @@ _ZEROS = re.compile(r"(?<=\d)(\.\d*?)0+(?!\d)")
 # How an episode is told.
 _TOLD = {
     "bus_silent": "Bus silent {when}, all stations: cable or master off?",
+    "rhythm": "Bus silent {count} times in a rhythm {when}, {short}",
     "adapter": "adapter lost {when}",
     "gap": "nothing was captured {when}",
     "silent": "{who} {silence}",
@@ -159,7 +160,7 @@ def _phrases(episodes: Sequence[Episode], clock: Callable[[float], str]) -> Iter
             worst, count = _worst(found), sum(one.count for one in found)
             more = {"title": worst.rule.title, "count": str(count), "told": _text(worst, clock)}
             often = _OFTEN.get(kind, "{title} {count} times (worst: {told})")
-            yield Phrase(often.format(**more, **_words(worst, clock)), worst)
+            yield Phrase(often.format(**_words(worst, clock) | more), worst)
 
 
 def _groups(episodes: Iterable[Episode]) -> Sequence[Sequence[Episode]]:
@@ -254,6 +255,7 @@ def _words(episode: Episode, clock: Callable[[float], str]) -> dict[str, str]:
         "who": " ".join(filter(None, ["" if hit.station is None else f"station {hit.station}", hit.parameter])),
         "at": clock(episode.from_s),
         "when": when(episode, clock),
+        "count": str(episode.count),
         "short": _LONG_HEX.sub("", re.split(r" \(|; ", hit.detail)[0]),
         "by": by,
         "values": values if hit.worst is None else _numbers(values),

@@ -48,6 +48,7 @@ _UNANSWERED = _FILTERS["unanswered"]
 RULES: Mapping[str, Rule] = MappingProxyType(
     {
         "bus_silent": Rule(Subject.BUS, Severity.ERROR, "Bus silent", join_s=0),
+        "rhythm": Rule(Subject.BUS, Severity.NOTE, "Bus silent in a rhythm", join_s=math.inf),
         "adapter": Rule(Subject.BUS, Severity.ERROR, "Adapter lost", "sertap.event == 4", join_s=0),
         "gap": Rule(Subject.BUS, Severity.WARNING, "Nothing was captured", join_s=0),
         "silent": Rule(Subject.SILENT, Severity.ERROR, "Station silent", _UNANSWERED, join_s=5),

@@ -39,8 +39,8 @@ class _Long(NamedTuple):
 class BusSilence:
     """The bus of a port without any character.
 
-    A long silence is usual where the bus was heard too shortly to tell, and where it comes in a rhythm, as with a
-    master that asks once a minute. No other is: a loose cable is off again and again, and each time counts.
+    A long silence is usual where the bus was heard too shortly to tell. Where it comes in a rhythm, it may be: a master
+    may ask once a minute. No other is: a loose cable is off again and again, and each time counts.
     """
 
     def __init__(self, thresholds: Thresholds = THRESHOLDS) -> None:
@@ -75,9 +75,10 @@ class BusSilence:
         is_known = self._is_known(begin_s, silence_s)
         if not is_known:
             self._usual.append(silence_s)
-        if self._is_in_rhythm(begin_s, silence_s):
-            return ()
         hit = _bus_silent(packet, begin_s, packet.epoch_s)
+        if self._is_in_rhythm(begin_s, silence_s):
+            detail = f"{seconds(silence_s)} each: a master that pauses, or a loose cable?"
+            return (hit._replace(kind="rhythm", detail=detail),)
         return (hit if is_known else hit._replace(severity=Severity.NOTE),)
 
     def under_way(self, now_s: float) -> Iterable[Hit]:
