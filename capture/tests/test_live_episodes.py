@@ -38,7 +38,8 @@ class Bus:
         self.now_s = self.heard_s = 0.0
 
     def packet(self, *telegrams: Telegram, accesses: Sequence[Access] = (), kind: int = FRAME) -> None:
-        packet = Packet(1, self.now_s, self.now_s, "", kind, 9600, "8E1", None, None, "", [], 0, 0)
+        said = ("", kind, None, 9600, "8E1", None, None, "", 0, 0, ())
+        packet = Packet(*said, number=1, epoch_s=self.now_s, time_s=self.now_s, uncertainty_s=None, intervals_s=[])
         packet.telegrams, packet.accesses = [*telegrams], [*accesses]
         packet.since_s, self.heard_s = self.now_s - self.heard_s, self.now_s
         self.told += self.live.add(packet)
@@ -60,8 +61,8 @@ class Bus:
 
 def telegram(master: int, station: int, columns: dict[str, str], *, is_reaction: bool = False) -> Telegram:
     talker, listener = (station, master) if is_reaction else (master, station)
-    known = (True, 0x10, talker, listener, is_reaction, None, False, False, None, False, False)
-    return Telegram(*known, None, None, None, None, None, None, columns)
+    known = (True, 0x10, talker, listener, is_reaction, None, False, False, False, False, "", False)
+    return Telegram(*known, None, None, None, None, None, None, None, columns)
 
 
 def access(ident: str, value: str, number: float | None = None, *, master: int | None = None) -> Access:
