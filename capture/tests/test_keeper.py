@@ -75,6 +75,18 @@ def test_a_file_has_what_is_around_its_reason(files: Files) -> None:
     assert (kept.heading, kept.first, kept.time, kept.reason, kept.complete) == (b"heading", 47, 50, "late", True)
 
 
+def test_a_reason_that_is_known_late_has_what_came_before_its_beginning(files: Files) -> None:
+    """A step of a value; and a silence, of which nothing is dropped while it lasts."""
+    keeper = keep(files)
+    play(keeper, range(50))
+    keeper.take(Entry(50 * SECOND, b"50"), "step", 30 * SECOND)
+    play(keeper, range(51, 101))
+    keeper.look(450 * SECOND)
+    keeper.take(Entry(500 * SECOND, b"500"), "bus-silent", 100 * SECOND)
+    assert files.contents == [[*range(27, 53)], [*range(97, 101), 500]]
+    assert [kept.time for kept in files.begun] == [30, 100]
+
+
 def test_what_matters_first_has_nothing_before_it(files: Files) -> None:
     play(keep(files), range(100), {1})
     assert files.contents == [[0, 1, 2, 3]]
