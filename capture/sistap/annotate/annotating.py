@@ -8,13 +8,12 @@ from typing import NamedTuple
 
 from sistap.annotate.annotator import Annotator
 from sistap.annotate.blocks import Blocks
-from sistap.annotate.cutting import Cut, Cutter
+from sistap.annotate.cutting import LogRecord, RecordCutter
 from sistap.annotate.explaining import Explainer, WholeCapture
 from sistap.annotate.reading import LogReader, Piece
 from sistap.annotate.spool import Entry, Spool
 from sistap.annotate.textlog import LogLine
-from sistap.records.cut import SIS
-from sistap.records.cut import Cut as Framing
+from sistap.records.cut import SIS, Cut
 from sistap.records.framer import ASCII_WORD
 from sistap.records.record import Type
 
@@ -28,7 +27,7 @@ class Found(NamedTuple):
     """What a line holds, and the telegrams that it completes."""
 
     pieces: list[Piece]
-    cuts: list[Cut]
+    cuts: list[LogRecord]
 
     @property
     def size(self) -> int:
@@ -39,11 +38,11 @@ class Found(NamedTuple):
 class Passage:
     """The reading of a log, from its first line to its last."""
 
-    def __init__(self, reader: LogReader, trouble: Trouble = lambda _, __: None, framing: Framing = SIS) -> None:
+    def __init__(self, reader: LogReader, trouble: Trouble = lambda _, __: None, framing: Cut = SIS) -> None:
         """Read with this reader; call `trouble` for lines that cannot be read; `framing` says what a frame is."""
         self._reader = reader
         self._trouble = trouble
-        self._cutter = Cutter(framing)
+        self._cutter = RecordCutter(framing)
         self._framing = framing
         self.lines = 0
         self.bytes = 0
@@ -59,7 +58,7 @@ class Passage:
         pieces, trouble = self._reader.contents(line)
         if trouble:
             self._trouble(line.number, trouble)
-        cuts: list[Cut] = []
+        cuts: list[LogRecord] = []
         for piece in pieces:
             cuts += self._cutter.feed(piece)
         found = Found(pieces, self._counted(cuts))
@@ -67,11 +66,11 @@ class Passage:
         self.bytes += found.size
         return found
 
-    def end(self) -> list[Cut]:
+    def end(self) -> list[LogRecord]:
         """Return what is left."""
         return self._counted(self._cutter.end())
 
-    def _counted(self, cuts: list[Cut]) -> list[Cut]:
+    def _counted(self, cuts: list[LogRecord]) -> list[LogRecord]:
         for cut in cuts:
             if cut.record.type == Type.FRAME:
                 self.telegrams += 1
@@ -126,7 +125,7 @@ def annotate_live(
 ) -> None:
     """Write a log with its explanations live. May raise TsharkError."""
     for batch in batches:
-        cuts: list[Cut] = []
+        cuts: list[LogRecord] = []
         for line in batch:
             found = passage.feed(line)
             annotator.add(line, found.size)
@@ -139,7 +138,7 @@ def annotate_live(
     flush()
 
 
-def _explain(cuts: list[Cut], explainer: Explainer, annotator: Annotator) -> None:
+def _explain(cuts: list[LogRecord], explainer: Explainer, annotator: Annotator) -> None:
     """Send all records of a batch before waiting for the first answer."""
     for cut in cuts:
         explainer.put(cut.record)

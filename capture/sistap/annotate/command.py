@@ -11,7 +11,7 @@ from pathlib import Path
 from sistap.annotate import annotating, sources
 from sistap.annotate.annotating import Passage
 from sistap.annotate.annotator import Annotator, TextAnnotator
-from sistap.annotate.explaining import Running, WholeCapture
+from sistap.annotate.explaining import LiveCapture, WholeCapture
 from sistap.annotate.meanings import Meanings
 from sistap.annotate.page import PageAnnotator
 from sistap.annotate.pattern import PatternReader, TooSlow
@@ -202,7 +202,7 @@ def _explain(args: argparse.Namespace, source: Source, passage: Passage, console
         if not source.is_pipe or args.format == "html":
             _explain_whole(args, source, passage, console, tshark)
         else:
-            running = stack.enter_context(Running(tshark, _name(args)))
+            running = stack.enter_context(LiveCapture(tshark, _name(args)))
             file = stack.enter_context(opened(args.output, _sources(args), force=args.force, grows=True))
             batches, annotator = _batches(args, source, console), TextAnnotator(file.write)
             annotating.annotate_live(batches, passage, running, annotator, file.flush)

@@ -14,8 +14,7 @@ from typing import NamedTuple
 from sistap.annotate.reading import Piece
 from sistap.line import settings as serial
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.records.cut import SIS
-from sistap.records.cut import Cut as Framing
+from sistap.records.cut import SIS, Cut
 from sistap.records.record import Record
 from sistap.sis.rates import RATES
 
@@ -60,7 +59,7 @@ class Pieces:
         return parts
 
 
-class Cut(NamedTuple):
+class LogRecord(NamedTuple):
     """A record, and the bytes of the log that it is made of."""
 
     record: Record
@@ -70,12 +69,12 @@ class Cut(NamedTuple):
 class _Stream:
     """The bytes of one direction."""
 
-    def __init__(self, direction: int, framing: Framing) -> None:
+    def __init__(self, direction: int, framing: Cut) -> None:
         self.framer = framing.framer(direction, _SETTINGS)
         self.time_ns = 0
         self._pieces = Pieces()
 
-    def add(self, piece: Piece, uncertainty_ns: int) -> tuple[serial.Read, list[Cut]]:
+    def add(self, piece: Piece, uncertainty_ns: int) -> tuple[serial.Read, list[LogRecord]]:
         """Take a piece; return it as a read, and what it completes."""
         count = len(piece.run.data)
         self._pieces.add(piece)
@@ -90,20 +89,20 @@ class _Stream:
             records += self.framer.settle()
         return read, self.cuts(records)
 
-    def cuts(self, records: list[Record]) -> list[Cut]:
-        return [Cut(record, self._pieces.take(len(record.data))) for record in records]
+    def cuts(self, records: list[Record]) -> list[LogRecord]:
+        return [LogRecord(record, self._pieces.take(len(record.data))) for record in records]
 
 
-class Cutter:
+class RecordCutter:
     """Makes records of pieces. Each direction is cut by itself: a telegram goes one way only."""
 
-    def __init__(self, framing: Framing = SIS) -> None:
+    def __init__(self, framing: Cut = SIS) -> None:
         """Nothing has come yet; `framing` says what a frame is."""
         self._framing = framing
         self._streams: dict[int, _Stream] = {}
         self._longest = 0
 
-    def feed(self, piece: Piece) -> list[Cut]:
+    def feed(self, piece: Piece) -> list[LogRecord]:
         """Take what a line has; return what it completes. A second without a character completes a record, too."""
         self._longest = max(self._longest, len(piece.run.data))
         cuts = self._silent(piece)
@@ -112,7 +111,7 @@ class Cutter:
         others = (other for other in self._streams.values() if other is not stream)
         return cuts + completed + [cut for other in others for cut in other.cuts(other.framer.beside(read))]
 
-    def end(self) -> list[Cut]:
+    def end(self) -> list[LogRecord]:
         """Return what is left at the end of the log."""
         return [cut for stream in self._streams.values() for cut in stream.cuts(stream.framer.flush())]
 
@@ -121,7 +120,7 @@ class Cutter:
             return UNCERTAINTY_UNKNOWN
         return min(piece.stamp.resolution_ns + self._longest * _SLOWEST_CHARACTER_NS, UNCERTAINTY_UNKNOWN - 1)
 
-    def _silent(self, piece: Piece) -> list[Cut]:
+    def _silent(self, piece: Piece) -> list[LogRecord]:
         """Return what no longer waits for its rest, in both directions. The time can also have been set back."""
         cuts = []
         if piece.stamp:

@@ -18,7 +18,7 @@ from sistap.episodes.lines import NOT_OK, lines, verdict
 from sistap.episodes.rules import THRESHOLDS, Thresholds
 from sistap.explain import advice
 from sistap.explain.fields import Fields, Said, said
-from sistap.explain.running import Running as Process
+from sistap.explain.running import Running
 from sistap.packets.dissection import packet_of
 from sistap.records.record import Record
 from sistap.wireshark.tshark import Tshark, TsharkError
@@ -66,13 +66,13 @@ class WholeCapture:
         return [line.text for line in lines(episodes, self._times_s[0], self._times_s[-1])]
 
 
-class Running:
+class LiveCapture:
     """Explains records as they come, in one pass. Use it in a `with`."""
 
     def __init__(self, tshark: Tshark, log: str) -> None:
         self._fields = Fields(tshark, tuple(advice.FIELDS))
         self._blocks = Blocks(log)
-        self._process = Process(tshark, self._fields.arguments)
+        self._process = Running(tshark, self._fields.arguments)
         self._first = True
 
     def put(self, record: Record) -> None:
@@ -97,7 +97,7 @@ class Running:
             raise self._process.failure()
         return line
 
-    def __enter__(self) -> Running:
+    def __enter__(self) -> LiveCapture:
         return self
 
     def __exit__(

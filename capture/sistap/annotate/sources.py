@@ -15,8 +15,7 @@ from sistap.annotate.raw import RawCutter, is_raw
 from sistap.annotate.session import is_session
 from sistap.annotate.textlog import UTF_16, Cutter, LineCutter, LogLine
 from sistap.common.packed import unpack
-from sistap.records.cut import ASCII
-from sistap.records.cut import Cut as Framing
+from sistap.records.cut import ASCII, Cut
 
 _PIECE = 1 << 18
 _IDLE_S = 0.2
@@ -37,14 +36,14 @@ class Source(NamedTuple):
     is_raw: bool = False
     is_session: bool = False  # of the ASCII protocol, as a terminal program shows it
 
-    def lines(self, framing: Framing, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:
+    def lines(self, framing: Cut, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:
         """Yield its lines in batches; call `progress` with the part of a file that has been read, 0 to 1."""
         if self.is_pipe:
             return from_pipe(self.log)
         return _from_file(self.log, RawCutter(framing) if self.is_raw else LineCutter(), progress)
 
 
-def look(log: str, framing: Framing | None) -> Source:
+def look(log: str, framing: Cut | None) -> Source:
     """Look at a log. Without `framing`, it is not raw. SourceError if it cannot be read."""
     may_be_session = framing == ASCII
     if log == "-":

@@ -12,7 +12,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
-from sistap.annotate.cutting import Cut, Part, Pieces
+from sistap.annotate.cutting import LogRecord, Part, Pieces
 from sistap.annotate.hexadecimal import Run
 from sistap.annotate.reading import Piece
 from sistap.annotate.stamps import Stamp
@@ -40,7 +40,7 @@ class Spool:
     def __exit__(self, *error: object) -> None:
         self._blobs.__exit__(*error)
 
-    def put(self, entries: Iterable[tuple[LogLine | None, list[Piece], list[Cut]]]) -> None:
+    def put(self, entries: Iterable[tuple[LogLine | None, list[Piece], list[LogRecord]]]) -> None:
         """Keep a batch: lines with their pieces, and the records that they complete. Incomplete if there is no room."""
         self._blobs.put(pickle.dumps([_packed(*entry) for entry in entries], pickle.HIGHEST_PROTOCOL))
 
@@ -57,7 +57,7 @@ _PackedPiece = tuple[int, bool, tuple[Any, ...], tuple[Any, ...] | None]  # dire
 _Packed = tuple[_PackedLine | None, list[_PackedPiece], list[tuple[int, int]]]
 
 
-def _packed(line: LogLine | None, pieces: list[Piece], cuts: list[Cut]) -> _Packed:
+def _packed(line: LogLine | None, pieces: list[Piece], cuts: list[LogRecord]) -> _Packed:
     return (
         (line.raw, line.ending, line.text, line.encoding) if line else None,
         [
