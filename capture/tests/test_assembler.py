@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+import pytest
 from specification import TELEGRAMS
 
 from sistap.line.settings import Flag, LineSettings, Read
 from sistap.records.assembler import Assembler
 from sistap.records.cut import SIS, Cut
 from sistap.records.record import Event, Framing, Record, Type
+
+pytestmark = pytest.mark.tap
 
 SETTINGS, FASTER = LineSettings(9600), LineSettings(19200)
 TELEGRAM = TELEGRAMS["8-20"]

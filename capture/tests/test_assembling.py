@@ -22,6 +22,8 @@ from sistap.records.cut import Cut
 from sistap.records.record import Event, Framing, Record, Type
 from sistap.terminal.stop import Stop
 
+pytestmark = pytest.mark.tap
+
 MS = 1_000_000
 SECOND = 1000 * MS
 EPOCH = 1_700_000_000 * SECOND  # when a capture begins, by the clock of its line ...

@@ -41,6 +41,8 @@ from sistap.sis.telegram import checksum_good
 from sistap.terminal.console import Console
 from sistap.terminal.stop import Stop
 
+pytestmark = pytest.mark.tap
+
 if sys.platform != "win32":
     import fcntl
     import pty

@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 
 from sistap.line.clock import Clock
 
+pytestmark = pytest.mark.tap
+
 SECOND = 1_000_000_000
 EPOCH = 1_700_000_000 * SECOND
 

@@ -13,6 +13,8 @@ import pytest
 
 from sistap.terminal.console import Console
 
+pytestmark = pytest.mark.tap
+
 
 @pytest.fixture
 def terminal() -> Iterator[tuple[int, int]]:

@@ -13,6 +13,8 @@ from specification import TELEGRAMS
 from sistap.capture import filter as bpf
 from sistap.terminal.advice import advice
 
+pytestmark = pytest.mark.tap
+
 
 def passing(text: str) -> set[str]:
     only = bpf.Filter(text)

@@ -12,6 +12,8 @@ from sistap.records.framer import SisFramer
 from sistap.sis.initialization import Follow
 from sistap.sis.telegram import build
 
+pytestmark = pytest.mark.tap
+
 MS = 1_000_000
 SECOND = 1_000_000_000
 MASTER, LEVEL, ALL = 16, 254, 255

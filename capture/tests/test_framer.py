@@ -18,6 +18,8 @@ from sistap.records.framer import Framer, SilenceFramer, SisFramer
 from sistap.records.record import INTERVAL_MAX, Framing, Record, Type
 from sistap.sis import telegram
 
+pytestmark = pytest.mark.tap
+
 SILENCE_NS = 1_000_000_000  # after this a telegram does not go on
 RUN_LIMIT = 4096  # other characters of one record
 SETTINGS = LineSettings(115200)

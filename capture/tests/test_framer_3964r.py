@@ -16,6 +16,8 @@ from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.records.framer_3964r import BLOCK_LIMIT, Framer3964R
 from sistap.records.record import INTERVAL_MAX, Framing, Record, Type
 
+pytestmark = pytest.mark.tap
+
 SILENCE_NS = 1_000_000_000
 START_NS = 1_700_000_000_000_000_000
 SETTINGS = LineSettings(9600)

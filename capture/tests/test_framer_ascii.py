@@ -14,6 +14,8 @@ from sistap.records.cut import Cut
 from sistap.records.framer import RUN_LIMIT
 from sistap.records.record import Framing, Record, Type
 
+pytestmark = pytest.mark.tap
+
 SETTINGS = LineSettings(9600)
 # Open, read, write a list, with echo and prompts.
 OPEN = [b"BCD:21\r\n", b"E21:>"]

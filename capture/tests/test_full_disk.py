@@ -17,7 +17,7 @@ from portable import posix
 from sistap.cli import COMMANDS
 from sistap.terminal import state
 
-pytestmark = [posix("it has no /dev/full"), pytest.mark.thorough]
+pytestmark = [posix("it has no /dev/full"), pytest.mark.thorough, pytest.mark.tap]
 FULL = pytest.mark.attack(
     "the disk is full, in each command that writes", "one line with the cure; no part of a file stays"
 )

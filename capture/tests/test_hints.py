@@ -13,6 +13,8 @@ from sistap.records.counters import Counters
 from sistap.records.framer import SisFramer
 from sistap.records.record import Framing
 
+pytestmark = pytest.mark.tap
+
 E81 = LineSettings(9600)
 N81 = LineSettings(9600, parity="N")
 

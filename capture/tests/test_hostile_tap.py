@@ -24,6 +24,8 @@ from sistap.line.settings import Flag, Happening, LineSettings, Notice, Read
 from sistap.wire import connection, distant, protocol
 from sistap.wire.protocol import Hello, Kind
 
+pytestmark = pytest.mark.tap
+
 PATIENCE_S = 60
 START_NS = 1_700_000_000_000_000_000
 LATEST_NS = (1 << 64) - 1

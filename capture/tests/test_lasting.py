@@ -14,6 +14,8 @@ import pytest
 from sistap.files import lasting
 from sistap.files.output import Limits, Output
 
+pytestmark = pytest.mark.tap
+
 PATIENCE_S = 30
 
 

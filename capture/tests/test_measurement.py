@@ -17,6 +17,8 @@ from sistap.line.reader import delay, latency
 from sistap.line.reader.contract import STEP_MS
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 
+pytestmark = pytest.mark.tap
+
 HERE: Conditions = {"machine": "bench", "kernel": "6.1.0-28-amd64", "priority": "ordinary priority"}
 FTDI = ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=1, serial="A50285BI")
 UNKNOWN = ports.Adapter("CP2102", "cp210x", serial="0001")

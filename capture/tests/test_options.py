@@ -15,6 +15,8 @@ from sistap.line.settings import LineSettings
 from sistap.records.cut import PROCEDURE_3964R, Cut
 from sistap.terminal.exits import UsageError
 
+pytestmark = pytest.mark.tap
+
 PORT = "/dev/ttyTEST"
 PLAIN = CaptureOptions(ports=(PORT,))
 

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from sistap.line.settings import LineSettings
 from sistap.records.assembler import HOLD_NS, Order
 from sistap.records.record import Record, Type
+
+pytestmark = pytest.mark.tap
 
 MS = 1_000_000
 

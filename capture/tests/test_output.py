@@ -20,6 +20,8 @@ from portable import WINDOWS, fifos, modes, posix, take_over_zone, terminals
 from sistap.files.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
 from sistap.terminal.console import leave_standard_output, never_waiting
 
+pytestmark = pytest.mark.tap
+
 if sys.platform != "win32":
     import pty
     import resource

@@ -22,6 +22,8 @@ import pytest
 from sistap.line.reader import latency, open_reader
 from sistap.line.settings import LineSettings
 
+pytestmark = pytest.mark.tap
+
 CAPTURE = Path(__file__).parents[1]
 TELEGRAM = bytes.fromhex("02 D7 03 03 00 03 10 03 04 07 00")  # fig. 6-14
 # All shall have 57600 Bd (checksum by hand), and accept it (fig. 6-24).

@@ -23,6 +23,8 @@ from sistap.line.settings import Flag, LineSettings
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Record, Type, event
 
+pytestmark = pytest.mark.tap
+
 SETTINGS = LineSettings(9600)
 START_NS = 1_700_000_000_123_456_789
 TELEGRAM = TELEGRAMS["6-24"]

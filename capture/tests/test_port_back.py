@@ -25,6 +25,8 @@ sys.path.append(str(Path(__file__).parent.parent / "benchmark"))  # behind: its 
 
 from plugged import Adapter  # noqa: E402
 
+pytestmark = pytest.mark.tap
+
 PATIENCE_S = 60
 COMMAND, REACTION = TELEGRAMS["8-20"], TELEGRAMS["8-21"]
 

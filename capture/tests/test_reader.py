@@ -32,6 +32,8 @@ from sistap.line.reader.tuning import Tuning
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 from sistap.wire import protocol
 
+pytestmark = pytest.mark.tap
+
 SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
 TCGETS2 = 0x802C542A  # Linux: <asm-generic/ioctls.h>

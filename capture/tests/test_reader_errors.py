@@ -21,6 +21,8 @@ from sistap.line.reader.device import MarkDecoder
 from sistap.line.reader.errors import MOST_READS, SILENCE_NS, Counts, Errors
 from sistap.line.settings import ERROR_FLAGS, Flag, Read
 
+pytestmark = pytest.mark.tap
+
 BAD, BREAK = int(Flag.CHARACTER_ERROR), int(Flag.BREAK)
 SOMEWHERE, LOST = int(Flag.UNLOCATED_ERROR), int(Flag.LOST_BEFORE)
 MS = 1_000_000

@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from sistap.line.settings import PARITIES, Flag, LineSettings
 from sistap.records.record import HEADER, INTERVAL_MAX, Event, Framing, Record, Type, event, unpack
 
+pytestmark = pytest.mark.tap
+
 SETTINGS = LineSettings(19200)
 # Written down by hand from the layout: two characters, 19200 Bd 8E1, uncertainty 0.3 ms.
 BY_HAND = bytes.fromhex(

@@ -10,6 +10,8 @@ import pytest
 
 from sistap.line import ports
 
+pytestmark = pytest.mark.tap
+
 FTDI = r"SYSTEM\CurrentControlSet\Enum\FTDIBUS"
 
 

@@ -10,6 +10,8 @@ from sistap.capture.rate import Scan
 from sistap.line.settings import Flag, LineSettings, Read
 from sistap.records.framer import SisFramer
 
+pytestmark = pytest.mark.tap
+
 SECOND = 1_000_000_000
 # All that SIS has (fig. 6-11), 9600 first: that is what stations have after power-on.
 EVERYTHING = [(rate, text) for rate in (9600, 19200, 38400, 57600, 115200) for text in ("8E1", "8N1")]

@@ -29,7 +29,10 @@ from sistap.line.settings import LineSettings, Read
 from sistap.records.record import Event, Type
 
 # python-pcapng warns of itself.
-pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
+pytestmark = [
+    pytest.mark.tap,
+    pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning"),
+]
 
 SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns

@@ -26,6 +26,8 @@ from sistap.common import temporary
 from sistap.terminal.stop import AGAIN_S, Stop, Stopped, held
 from sistap.wireshark.tshark import Tshark
 
+pytestmark = pytest.mark.tap
+
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 BURST = NUMBERS * 10
 

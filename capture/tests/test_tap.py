@@ -12,6 +12,8 @@ from sistap.line.settings import LineSettings, Read
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Record
 
+pytestmark = pytest.mark.tap
+
 SECOND = 1_000_000_000
 EPOCH = 1_700_000_000 * SECOND
 HALF = b"\x02\x00\xff\xff"  # what may become a telegram

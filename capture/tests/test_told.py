@@ -11,6 +11,8 @@ from sistap.records.record import MAX_CHARACTERS, Event, Record, Type, event
 from sistap.sis.telegram import build
 from sistap.sis.told import MOST_PARAMETERS, Told
 
+pytestmark = pytest.mark.tap
+
 MS = 1_000_000
 PLENTY = 10**9
 S36, P12 = bytes.fromhex("00 24 00"), bytes.fromhex("00 0C 80")

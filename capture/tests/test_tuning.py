@@ -16,6 +16,8 @@ import pytest
 from sistap.line.reader.tuning import Tuning
 from sistap.line.settings import LineSettings
 
+pytestmark = pytest.mark.tap
+
 LOW_LATENCY = 0x2000  # ASYNC_LOW_LATENCY, <linux/tty_flags.h>: bit 13
 OTHER_FLAGS = 0x40  # ASYNC_SKIP_TEST
 SETTINGS = LineSettings(9600)

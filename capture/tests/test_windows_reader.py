@@ -14,6 +14,8 @@ from sistap.line.reader import PortError, PortLost, latency, windows
 from sistap.line.reader.windows import CommPort, flags
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
 
+pytestmark = pytest.mark.tap
+
 SETTINGS = LineSettings()
 OVERRUN, PARITY, FRAME, BREAK = 0x02, 0x04, 0x08, 0x10
 MS = 1_000_000

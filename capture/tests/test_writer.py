@@ -20,7 +20,10 @@ from sistap.records.record import Event, Record, Type, event
 from sistap.sis.telegram import build
 
 # python-pcapng warns of itself.
-pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
+pytestmark = [
+    pytest.mark.tap,
+    pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning"),
+]
 
 SLOW, FAST = LineSettings(9600), LineSettings(57600)
 FIRST_NS, SECOND_NS, NOW_NS, LATER_NS = 1000, 2000, 9000, 9500
