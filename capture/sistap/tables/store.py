@@ -27,7 +27,7 @@ from sistap.tables.schema import TABLES
 from sistap.terminal.stop import held
 from sistap.terminal.writing import mode_like
 
-_TOGETHER = 1 << 16  # rows of all tables that wait to be written
+_TOGETHER = 1 << 15  # rows of all tables that wait to be written
 _OPEN = 32  # files open at a time
 _NOTES = "_captures"  # programs ignore names that begin with _
 _NS_PER_US = 1000
