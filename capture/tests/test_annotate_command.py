@@ -28,6 +28,7 @@ from sistap import cli
 from sistap.annotate import command
 from sistap.annotate.annotating import LONGEST_LINE
 from sistap.annotate.explaining import WholeCapture
+from sistap.episodes.rules import Thresholds
 from sistap.explain.fields import Fields
 from sistap.records.record import Record, Type
 from sistap.terminal.advice import advice
@@ -98,10 +99,10 @@ def test_what_is_written_to_a_log_meanwhile_is_left_out(
     before = capfdbinary.readouterr().out
 
     class Growing(WholeCapture):
-        def __init__(self, tshark: Tshark, fields: Fields, capture: Path) -> None:
+        def __init__(self, tshark: Tshark, fields: Fields, capture: Path, thresholds: Thresholds) -> None:
             with log.open("ab") as file:
                 file.write(b"\r\n" + f"{PHASE.hex(' ')}\r\n".encode() * 1000)
-            super().__init__(tshark, fields, capture)
+            super().__init__(tshark, fields, capture, thresholds)
 
     monkeypatch.setattr(command, "WholeCapture", Growing)
     assert cli.main(["annotate", str(log), "--format", form]) == 0

@@ -12,7 +12,6 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import NamedTuple
 
 from sistap.line.drivers import Driver, Place
@@ -359,12 +358,8 @@ class _ByRead(_Finder):
         self._reads = 0
 
 
-_FINDERS: Mapping[Place, Callable[[Driver], _Finder]] = MappingProxyType(
-    {
-        Place.CHARACTER: _ByCharacter,
-        Place.PACKET: _ByPacket,
-        Place.READ: _ByRead,
-        Place.NOWHERE: _ByCharacter,  # a driver that marks nothing, or, against what is known, a character
-        Place.UNKNOWN: _ByCharacter,
-    }
-)
+_FINDERS: Mapping[Place, Callable[[Driver], _Finder]] = {
+    **dict.fromkeys((Place.CHARACTER, Place.NOWHERE, Place.UNKNOWN), _ByCharacter),
+    Place.PACKET: _ByPacket,
+    Place.READ: _ByRead,
+}
