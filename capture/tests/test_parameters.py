@@ -93,6 +93,22 @@ def test_the_list_as_csv(tmp_path: Path) -> None:
     }
 
 
+def test_all_values_in_a_wide_table(tmp_path: Path) -> None:
+    """accesses.txt: 5.00 Nm is read and written, 7.50 Nm and -3.00 Nm are written, and the last is read."""
+    done = run(tmp_path, "parameters", "--csv", "--wide", CAPTURE)
+    head, *rows = list(csv.reader(done.stdout.splitlines()))
+    assert (done.returncode, done.stderr) == (0, "")
+    assert head[:2] == ["time", "3 device 5 P-0-0012 Limit (Nm)"]
+    assert "4/8 device 0 P-0-0012" in head
+    assert {len(row) for row in rows} == {len(head)}
+    assert [row[1] for row in rows if row[1]] == ["5.0", "5.0", "7.5", "-3.0", "-3.0"]
+    assert all(sum(cell != "" for cell in row) == 2 for row in rows), "a time and one value"
+
+
+def test_wide_belongs_to_csv(tmp_path: Path) -> None:
+    refused(run(tmp_path, "parameters", "--wide", CAPTURE), 2, "--wide belongs to --csv, without --changes")
+
+
 @pytest.mark.thorough
 def test_several_captures_go_on(tmp_path: Path) -> None:
     """In the second, the value of the first is known; counts are those of both."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from sistap.accesses.listing import MOST, Listing
 from sistap.captures.joining import check_captures
 from sistap.common.writing import Incomplete, NotOpened, opened
-from sistap.parameters import against, user_table, writing
+from sistap.parameters import against, user_table, wide, writing
 from sistap.parameters.backup import Damaged, Drive, drives, is_station
 from sistap.parameters.reading import Found, found
 from sistap.terminal.console import Console
@@ -45,6 +45,7 @@ examples:
   sistap parameters day.pcapng                              the list
   sistap parameters --changes night-*.pcapng                who changed what and when, old and new value
   sistap parameters --csv day.pcapng -o parameters.csv      for a spreadsheet
+  sistap parameters --csv --wide day.pcapng -o values.csv   all values, for curves
   sistap parameters --from drive.par -o ~/.config/wireshark/profiles/SIS/sis_parameters
                                                             names for Wireshark with the profile SIS
   sistap parameters day.pcapng --against drive.par          what differs from the backup, and who wrote it
@@ -66,6 +67,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--station", metavar="N", help="the station of the backup, such as 3, behind routers 3/2/8")
     parser.add_argument("--changes", action="store_true", help="list every write that changed a value, instead")
     parser.add_argument("--csv", action="store_true", help="write comma-separated values; the first line has the names")
+    parser.add_argument(
+        "--wide", action="store_true", help="with --csv: all values, a line for each time, a column for each parameter"
+    )
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
     parser.add_argument("--force", action="store_true", help=FORCE)
 
@@ -102,7 +106,10 @@ def _write_accesses(args: argparse.Namespace, console: Console) -> None:
     saved = _stations(args, drives(args.against)) if args.against else []
     with Tshark() as tshark, opened(args.output, args.captures, force=args.force) as file:
         came = found(tshark, args.captures, console.say)
-        lines = against.lines(saved, came) if args.against else _lines(args, came, console)
+        if args.against:
+            lines: Iterable[str] = against.lines(saved, came)
+        else:
+            lines = wide.lines(came) if args.wide else _lines(args, came, console)
         file.writelines(f"{line}\n".encode() for line in lines)
 
 
@@ -118,6 +125,8 @@ def _stations(args: argparse.Namespace, found_drives: Sequence[Drive]) -> Sequen
 
 
 def _check_usage(args: argparse.Namespace) -> None:
+    if args.wide and (args.changes or not args.csv):
+        raise NotACapture("--wide belongs to --csv, without --changes")
     if args.backup and (args.captures or args.against or args.changes or args.csv):
         raise NotACapture("--from makes a table from a backup: leave out captures and other options")
     if not args.backup and not args.captures:

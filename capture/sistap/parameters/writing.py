@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from sistap.accesses.access import Parameter
-from sistap.accesses.listing import Change, Listed, Place
+from sistap.accesses.listing import Change, Listed
 from sistap.wireshark.rows import local
 
 _UNKNOWN = "unknown"
@@ -72,17 +72,17 @@ def _aligned(rows: Sequence[Sequence[str]]) -> Iterator[str]:
 
 def list_as_csv(listing: Iterable[Listed]) -> Iterator[str]:
     """Yield the lines of CSV; lowest and highest values are numbers without their unit."""
-    yield _csv(_CSV_LIST)
+    yield csv_line(_CSV_LIST)
     for listed in listing:
         place = listed.written_in
-        yield _csv(
+        yield csv_line(
             (
                 *(*listed.parameter, listed.name, listed.unit, listed.minimum, listed.maximum),
                 *(listed.reads, listed.writes, listed.errors, listed.first, listed.last),
                 listed.least.number if listed.least else None,
                 listed.greatest.number if listed.greatest else None,
                 listed.written_by,
-                *((place.packet, place.file, _time(place, "T")) if place else ("", "", "")),
+                *((place.packet, place.file, time_text(place.epoch_s)) if place else ("", "", "")),
                 listed.raw,
             )
         )
@@ -94,7 +94,7 @@ def change_as_text(change: Change, *, several_files: bool) -> str:
     name = f" ({access.name})" if access.name else ""
     before = _UNKNOWN if change.before is None else change.before
     where = f"packet {place.packet}{f' of {place.file}' if several_files else ''}"
-    time = _time(place, " ")
+    time = time_text(place.epoch_s, " ")
     words = [time] if time else []
     words += [f"{access.by} -> {_station(access.parameter)}", f"{access.parameter.ident}{name}"]
     return "  ".join([*words, f"{before} -> {access.value or _UNKNOWN}", where])
@@ -107,16 +107,17 @@ def _station(parameter: Parameter) -> str:
 def change_as_csv(change: Change) -> str:
     """Return a change as a line of CSV; unknown values are empty."""
     place, access = change.place, change.access
-    values = (change.before, access.value, place.packet, place.file)
-    return _csv((_time(place, "T"), access.master, *access.parameter, access.name, access.unit, *values))
+    values = (access.name, access.unit, change.before, access.value, place.packet, place.file)
+    return csv_line((time_text(place.epoch_s), access.master, *access.parameter, *values))
 
 
 def csv_head_of_changes() -> str:
     """Return the first line of the CSV of changes."""
-    return _csv(_CSV_CHANGES)
+    return csv_line(_CSV_CHANGES)
 
 
-def _csv(values: Iterable[object]) -> str:
+def csv_line(values: Iterable[object]) -> str:
+    """Return a line of CSV that a spreadsheet does not run."""
     line = io.StringIO()
     csv.writer(line, lineterminator="").writerow(map(_text_for_spreadsheets, values))
     return line.getvalue()
@@ -128,9 +129,7 @@ def _text_for_spreadsheets(cell: object) -> object:
     return f"'{cell}" if is_formula else cell
 
 
-def _time(place: Place, between: str) -> str:
+def time_text(epoch_s: float, between: str = "T") -> str:
     """Return local time with its zone; empty for 0, the time of a log without times."""
-    if not place.epoch_s:
-        return ""
-    then = local(place.epoch_s)
+    then = local(epoch_s) if epoch_s else None
     return then.isoformat(between, timespec="microseconds") if then else ""
