@@ -15,7 +15,7 @@ from commands import refused, run
 from portable import modes
 
 from sistap.files import pcapng
-from sistap.parameters.writing import _csv
+from sistap.parameters.writing import csv_line
 from sistap.terminal.writing import mode_like
 
 TELEGRAM = bytes.fromhex("02 6C 00 00 00 92 00 00")
@@ -79,9 +79,9 @@ def test_no_cell_is_a_formula() -> None:
     hostile = ['=HYPERLINK("x")', "@SUM(1)", "-1+1|cmd", "+1+cmd|' /C calc'!A0", "-1 cmd|x!A1", "\t=1", "\r=1"]
     honest = ["-12.5 mm/min", "+1", "-3e-05", "-40 °C", "S-0-0036", "", "a=b", "3 - 2"]
     for cell in hostile:
-        assert _csv([cell]).lstrip('"').startswith(f"'{cell[:1]}")
-    assert [_csv([cell, ""]) for cell in honest] == [f"{cell}," for cell in honest]
-    assert _csv([-5, None, -0.5]) == "-5,,-0.5"
+        assert csv_line([cell]).lstrip('"').startswith(f"'{cell[:1]}")
+    assert [csv_line([cell, ""]) for cell in honest] == [f"{cell}," for cell in honest]
+    assert csv_line([-5, None, -0.5]) == "-5,,-0.5"
 
 
 @modes
