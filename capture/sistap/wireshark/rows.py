@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from datetime import datetime
+from datetime import UTC, datetime
 from functools import lru_cache
 from operator import eq, gt
 from pathlib import Path
@@ -124,7 +124,7 @@ def info(columns: dict[str, str]) -> str:
 def local(epoch_s: float) -> datetime | None:
     """Return a time of a packet as local time; None if no calendar has it."""
     try:
-        return datetime.fromtimestamp(epoch_s).astimezone()
+        return datetime.fromtimestamp(epoch_s, UTC).astimezone()  # Windows fails on 1970-01-01 without UTC
     except (ValueError, OverflowError, OSError):
         return None
 
