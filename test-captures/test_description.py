@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import shutil
 from pathlib import Path
+from typing import Any
 
 import generate
 import pytest
@@ -277,7 +278,10 @@ def test_a_new_service_needs_no_function(folder: Path) -> None:
         'is_by_layout = true,\n    [0x00] = {\n      command = {{"lamp_colour", 1, false, N.colours},'
         in texts["sis.lua"]
     )
-    assert '0x05: {\n        0x00: Layout((Item("lamp.colour", 1), Item("data", 0)), ()),' in texts["codes.py"]
+    made: dict[str, Any] = {"__name__": "sistap.sis.codes"}
+    exec(texts["codes.py"], made)  # noqa: S102 - our own
+    assert made["LAYOUTS"][0x05] == {0: made["Layout"]((("lamp.colour", 1, False), ("data", 0, False)), ())}
+    assert made["WITHOUT_SUBSERVICES"] == {0x05}
 
 
 def test_a_preference_is_the_same_everywhere(folder: Path) -> None:

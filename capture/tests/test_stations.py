@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sistap.bus import service
 from sistap.bus.devices.parameter_sets import built_in
 from sistap.bus.devices.parameters import (
     PARAMETER_MODE_ONLY,
@@ -27,10 +28,12 @@ from sistap.bus.devices.parameters import (
     ident,
     text,
 )
+from sistap.bus.stations import making
 from sistap.bus.stations.flash import module
 from sistap.bus.stations.initialization import Initialization
 from sistap.bus.stations.making import make
 from sistap.bus.stations.slave import Router, Slave, Station
+from sistap.sis.codes import LAYOUTS, Item, Layout
 from sistap.sis.telegram import build, parse
 
 MS = 1_000_000
@@ -156,6 +159,22 @@ def test_ecodrive03_has_the_state_of_the_request_there_and_other_groups_and_no_l
     assert control("3C 03 00 24 00") == 0x10 | 0b001 << 5  # busy with the switching
     assert ask(slave, 0x12, receiver=128) == "none"  # a group
     assert ask(slave, 0x04, "01 12") == "F0"
+
+
+def test_a_service_that_is_only_described_is_answered_with_zeros(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So a service that is new in services.toml is on the bus, too."""
+    lamp = {0x01: Layout((Item("colour", 2),), (Item("bits", 1), Item("hours", 2))), 0x02: Layout((), ())}
+    plain = {0: Layout((Item("colour", 2),), (Item("bits", 1), Item("more", 1, True)))}
+    for file in (service, making):
+        monkeypatch.setattr(file, "LAYOUTS", {**LAYOUTS, 0x05: lamp, 0x06: plain})
+    monkeypatch.setattr(service, "WITHOUT_SUBSERVICES", {0x06})
+    slave = drive()
+    assert ask(slave, 0x05, "03 01 2C 01") == "00 03 01 00 00 00"
+    assert ask(slave, 0x05, "03 01 2C") == "FA 03 01"  # useful data missing (fig. 2-18)
+    assert ask(slave, 0x05, "03 02") == "00 03 02"
+    assert ask(slave, 0x05, "03 03") == "FB 03 03"  # subservice not supported
+    assert ask(slave, 0x06, "2C 01") == "00 00"
+    assert ask(slave, 0x06, "2C") == "FA"
 
 
 # -- 0x00, 0x01 and 0x04 (chapters 3, 4 and 7) ----------------------------------------------------------------------

@@ -18,7 +18,7 @@ Made by plugin/protocol/generate.py from codes.toml and services.toml: edit ther
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 
@@ -78,7 +78,7 @@ def codes(description: Description) -> str:
     lines += [")", "", "# Services whose reactions begin with a status byte (chapter 2.1)."]
     lines += [f"WITH_STATUS = {_ranges(services.with_status)}", ""]
     lines += ["# General services with a parameter control byte and a device address first (fig. 8-1)."]
-    lines += [f"WITH_CONTROL = frozenset(({_numbers(services.with_control)}))", ""]
+    lines += [f"WITH_CONTROL = frozenset([{_numbers(services.with_control)}])", ""]
     lines += ["# Services of product groups that have the layout of a general one (chapter 8)."]
     lines += ["LIKE: Mapping[int, int] = {"]
     lines += [*(f"    0x{service:02X}: 0x{general:02X}," for service, general in services.like.items()), "}", ""]
@@ -86,7 +86,10 @@ def codes(description: Description) -> str:
     lines += ["LIKE_IF_SET: Mapping[str, Mapping[int, int]] = {"]
     lines += [f'    "{preference}": {_pairs(likes)},' for preference, likes in services.like_if_set.items()]
     lines += ["}", "", "# By service and subservice (chapters 3, 5 and 6)."]
-    lines += ["LAYOUTS: Mapping[int, Mapping[int, Layout]] = {", *_layouts(services.layouts.values()), "}"]
+    lines += ["LAYOUTS: Mapping[int, Mapping[int, Layout]] = {", *_layouts(services.layouts.values()), "}", ""]
+    whole = [one.number for one in services.layouts.values() if not one.subservices]
+    lines += ["# Those without subservices: their one layout is that of all useful data."]
+    lines += [f"WITHOUT_SUBSERVICES: Collection[int] = frozenset([{_numbers(whole)}])"]
     return "\n".join([*lines, ""])
 
 

@@ -7,7 +7,7 @@ import enum
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from sistap.sis.codes import LAYOUTS
+from sistap.sis.codes import LAYOUTS, WITHOUT_SUBSERVICES, Layout
 from sistap.sis.telegram import least
 
 
@@ -102,3 +102,16 @@ def by_subservice(service: int, subservices: Mapping[int, Subservice]) -> Servic
         return header + subservice(data, request.now_ns)
 
     return Service(2, 2, execute)
+
+
+def by_layout(service: int) -> Service:
+    """Return a service that does nothing and succeeds: the values in its reaction are 0."""
+    layouts = LAYOUTS[service]
+    if service in WITHOUT_SUBSERVICES:
+        layout = layouts[0]
+        return Service(0, least(layout.command), lambda request: bytes(least(layout.reaction)))
+    return by_subservice(service, {subservice: _zeros(layout) for subservice, layout in layouts.items()})
+
+
+def _zeros(layout: Layout) -> Subservice:
+    return lambda data, now_ns: bytes(least(layout.reaction))

@@ -6,7 +6,7 @@ Made by plugin/protocol/generate.py from codes.toml and services.toml: edit ther
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 
@@ -69,7 +69,7 @@ RANGES = (
 WITH_STATUS = frozenset((*range(0x00, 0x20), *range(0x80, 0xA0)))
 
 # General services with a parameter control byte and a device address first (fig. 8-1).
-WITH_CONTROL = frozenset((0x10, 0x11, 0x1E, 0x1F))
+WITH_CONTROL = frozenset([0x10, 0x11, 0x1E, 0x1F])
 
 # Services of product groups that have the layout of a general one (chapter 8).
 LIKE: Mapping[int, int] = {
@@ -118,3 +118,6 @@ LAYOUTS: Mapping[int, Mapping[int, Layout]] = {
         0xFF: Layout((), ()),
     },
 }
+
+# Those without subservices: their one layout is that of all useful data.
+WITHOUT_SUBSERVICES: Collection[int] = frozenset([])

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 from sistap.bus.devices.equipment import ECODRIVE, INDRADRIVE, DriveModel, Equipment
-from sistap.bus.service import Service
+from sistap.bus.service import Service, by_layout
 from sistap.bus.stations.flash import Flash, Memory
 from sistap.bus.stations.initialization import Initialization
 from sistap.bus.stations.sercos import OF_DRIVES, Parameters, Segments
@@ -15,6 +15,7 @@ from sistap.bus.stations.services import LIST, LONGEST_TEXT, cancel, identificat
 from sistap.bus.stations.slave import EDITIONS, Edition, Router, Slave, Station
 from sistap.bus.stations.terminal import Terminal
 from sistap.bus.table import BYTE, NO_TABLES, STATION, Table, ascii_text, choice, flag, several, tables, whole
+from sistap.sis.codes import LAYOUTS
 from sistap.sis.rates import BAUD_MASKS, RATES
 
 _GENERAL = 0x10  # the group of services that every station has
@@ -76,6 +77,7 @@ def _slave(table: Table, seed: int) -> Slave:
     memory, worn = Memory(f"{seed} memory {address}"), table.take("worn", flag, False)
     flash = Flash(memory, equipment.phases.at, edition, _restarting(equipment, initialization), worn)
     services = {
+        **{service: by_layout(service) for service in LAYOUTS},
         0x00: _identification(table, kind, rates),
         0x02: flash.service,
         0x03: initialization.service,
