@@ -178,7 +178,7 @@ def capture(bench: Bench) -> None:
     flags = bench.seen.captured.flags()
     assert not any(flags), f"false errors at {_where(flags)}"
     (started,) = (text for event, text in bench.seen.captured.events if event == Event.CAPTURE_STARTED)
-    assert bench.driver.tells.words in started, started
+    assert bench.driver.tells.clause in started, started
 
 
 def formats(bench: Bench) -> None:

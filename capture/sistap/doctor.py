@@ -120,12 +120,12 @@ def port_points(port: str) -> Iterator[Point]:
             yield Point("good", subject, text)
     yield Point("good", "adapter", reader.adapter)
     tells = ports.adapter(port).tells if device else drivers.UNKNOWN
-    notes = [note for note in reader.notes if note != tells.doubt(port)]
+    notes = [note for note in reader.notes if note != tells.warning(port)]
     yield Point("poor" if notes else "good", "times", reader.timing)
     for note in notes:
         yield Point("poor", "times", note)
-    if tells.told:
-        yield Point("good" if tells.breaks else "poor", "errors", tells.told)
+    if tells.explanation:
+        yield Point("good" if tells.breaks else "poor", "errors", tells.explanation)
 
 
 # What can keep a device from being opened, in this order: subject, text when it is well, and the check. A port of

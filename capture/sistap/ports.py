@@ -37,7 +37,7 @@ def _as_json(there: list[tuple[str, Adapter]], analysers: Sequence[probe.Analyse
             "latency_timer_ms": behind.latency_ms,
             "fifo_trigger": behind.fifo_trigger,
             "serial": behind.serial or None,
-            "line_errors": behind.tells.place.value if behind.tells.words else None,
+            "line_errors": behind.tells.place.value if behind.tells.clause else None,
         }
         for port, behind in there
     ]
@@ -58,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
     rows += [
         (
             *(port, visible(behind.name) or "-", behind.driver or "-", behind.latency or "-"),
-            behind.tells.place.value if behind.tells.words else "-",
+            behind.tells.place.value if behind.tells.clause else "-",
         )
         for port, behind in there
     ]

@@ -774,7 +774,7 @@ def test_latency_of_adapters(
     Driver(monkeypatch)
     monkeypatch.setattr(ports, "adapter", lambda port: behind._replace(pseudo_terminal=False))
     source = open_reader(bus.port, LineSettings(9600))
-    assert source.timing == "; ".join(filter(None, [phrase, "ordinary priority", behind.tells.words]))
+    assert source.timing == "; ".join(filter(None, [phrase, "ordinary priority", behind.tells.clause]))
     clock = SteppedTime(monkeypatch)
     assert isinstance(source, PosixReader)
     source._emptied_ns = clock.now  # not late

@@ -34,12 +34,12 @@ class Driver(NamedTuple):
     caveat: str = ""  # what else to know, in sentences without the last full stop
 
     @property
-    def words(self) -> str:
+    def clause(self) -> str:
         """Return what it says, as a clause for the description of a capture; empty if that is not known."""
-        return _WORDS[self.place]
+        return _CLAUSES[self.place]
 
     @property
-    def told(self) -> str:
+    def explanation(self) -> str:
         """Return all that a user should know, in sentences without the last full stop; empty if nothing is known."""
         limits = (
             (self.place == Place.NOWHERE, "A damaged character looks like a good one"),
@@ -47,27 +47,27 @@ class Driver(NamedTuple):
             (self.errors and not self.breaks, "A break looks like any other error"),
             (self.errors and not self.counts, "Lost characters are not reported"),
         )
-        return ". ".join(filter(None, (self.words, *(text for applies, text in limits if applies), self.caveat)))
+        return ". ".join(filter(None, (self.clause, *(text for applies, text in limits if applies), self.caveat)))
 
     @property
     def errors(self) -> bool:
         """Tell whether it is known to report line errors."""
         return self.place not in (Place.NOWHERE, Place.UNKNOWN)
 
-    def doubt(self, port: str) -> str:
+    def warning(self, port: str) -> str:
         """Return a message about a port for the beginning of a capture, if its line errors say less than usual."""
-        return f"{port}: {self.told}" if self.told and not self.breaks else ""
+        return f"{port}: {self.explanation}" if self.explanation and not self.breaks else ""
 
 
 def reports(description: str) -> bool | None:
     """Tell from the description of a capture whether its adapter reports line errors; None: it does not say."""
     if NOT_REPORTED in description:
         return False
-    return any(words and words in description for words in _WORDS.values()) or None
+    return any(clause and clause in description for clause in _CLAUSES.values()) or None
 
 
 NOT_REPORTED = "no line errors are reported"
-_WORDS = {
+_CLAUSES = {
     Place.CHARACTER: "line errors at their character",
     Place.PACKET: "line errors somewhere in their USB packet",
     Place.READ: "line errors somewhere in their read or beside it",

@@ -2,6 +2,6 @@
 """Stations: they receive the commands of a master. Command telegram in, reaction telegram out.
 
 slave has the station: which telegrams are for it, what it repeats, which edition it follows, and what it routes
-further. Its services: services has identification, cancel and the list of services, flash and initialization have
+further. Its services: general has identification, cancel and the list of services, flash and initialization have
 theirs, sercos has parameters; those of phases are with the devices. making makes stations from tables.
 """

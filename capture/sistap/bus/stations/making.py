@@ -9,9 +9,9 @@ from typing import NamedTuple
 from sistap.bus.devices.equipment import ECODRIVE, INDRADRIVE, DriveModel, Equipment
 from sistap.bus.service import Service, by_layout
 from sistap.bus.stations.flash import Flash, Memory
+from sistap.bus.stations.general import LIST, LONGEST_TEXT, cancel, identification, service_list
 from sistap.bus.stations.initialization import Initialization
 from sistap.bus.stations.sercos import OF_DRIVES, Parameters, Segments
-from sistap.bus.stations.services import LIST, LONGEST_TEXT, cancel, identification, service_list
 from sistap.bus.stations.slave import EDITIONS, Edition, Router, Slave, Station
 from sistap.bus.stations.terminal import Terminal
 from sistap.bus.table import BYTE, NO_TABLES, STATION, Table, ascii_text, choice, flag, several, tables, whole

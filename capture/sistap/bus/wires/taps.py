@@ -30,7 +30,7 @@ _LOOK_S = 1.0
 _SLACK_S = 0.005  # end of a bus pause in which taps are not served
 
 
-class Tap(Peer):
+class ConnectedTap(Peer):
     """One connected tap."""
 
     def __init__(self, connection: socket.socket, seed: int) -> None:
@@ -124,8 +124,8 @@ class Taps:
         """End all connections."""
         self._peers.close()
 
-    def _welcome(self, connection: socket.socket) -> Tap:
-        tap = Tap(connection, self._seed)
+    def _welcome(self, connection: socket.socket) -> ConnectedTap:
+        tap = ConnectedTap(connection, self._seed)
         began_ns = self._pace.wall_ns()
         now_ns = self._pace.wall_ns(self._now) if self._pace.simulated else CLOCK.now_ns()
         hello = protocol.Hello(protocol.Kind.BUS, now_ns, began_ns, 0, self.name, "virtual bus", TIMING)
@@ -147,7 +147,7 @@ class Taps:
                 tap.tell(self._pace.wall_ns(self._now))
             self._wait_for(lambda tap: tap.owes_an_answer)
 
-    def _wait_for(self, behind: Callable[[Tap], bool]) -> None:
+    def _wait_for(self, behind: Callable[[ConnectedTap], bool]) -> None:
         """Wait until no tap is behind; disconnect those that stay behind."""
         end_ns = monotonic_ns() + int(PATIENCE_S * 1e9)
         while any(map(behind, self._peers)):

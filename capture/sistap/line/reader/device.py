@@ -55,8 +55,8 @@ class PosixReader:
         rate = true_rate(self._fd, port, settings)
         rates = [f"the port really runs at {rate} Bd"] if rate != settings.baud else []
         tells = self._behind.tells
-        self.timing = "; ".join(filter(None, [bound.how, *rates, *self._tuning.done, priority.words(), tells.words]))
-        self.notes: tuple[str, ...] = tuple(filter(None, (*self._tuning.missed, *bound.notes, tells.doubt(port))))
+        self.timing = "; ".join(filter(None, [bound.how, *rates, *self._tuning.done, priority.words(), tells.clause]))
+        self.notes: tuple[str, ...] = tuple(filter(None, (*self._tuning.missed, *bound.notes, tells.warning(port))))
         self._decoder = MarkDecoder()
         counters = partial(_error_counters, self._fd)  # without self: that would be a cycle, which nobody frees
         self._errors = Errors(counters, tells)
