@@ -110,7 +110,9 @@ def test_the_first_lines_say_what_happened_in_the_night(tmp_path: Path, bus: dic
     told = lines(done.stdout)
     assert list(told) == ["Bus", "Silent", "Drives", "Changed", "Limits", "Times"]
     (write,) = told["Changed"]
-    assert write.startswith("Write, station 4 S-0-0091: 00 2d 31 01 -> 0a 00 00 00 by master 16, ")
+    assert write.startswith(
+        "Write, station 4 S-0-0091: 00 2d 31 01 -> 0a 00 00 00 by master 16; still set at the end, "
+    )
     (slower,) = told["Times"]
     assert slower.startswith("station 4 answers Read parameter (0x10) slower: half within ")
     (again,) = told["Limits"]

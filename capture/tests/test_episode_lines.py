@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
@@ -79,6 +80,21 @@ def test_a_night_in_five_lines() -> None:
         "2 damaged telegrams (stations 3, 6); "
         "1 loss of characters (station 3, in a telegram that is damaged, 05:05:00); "
         "clock -25 s at 05:50:00."
+    )
+
+
+@pytest.mark.parametrize(
+    ("outcome", "said"),
+    [
+        ("", ""),
+        ("still set at the end", ", still set at the end"),
+        ("at the end 480.5000 rpm", ", at the end 480.5 rpm"),
+    ],
+)
+def test_what_became_of_a_write(outcome: str, said: str) -> None:
+    written = episode("write", "03:12:07", station=4, parameter="S-0-0091", detail="3000 rpm -> 500 rpm by master 17")
+    assert told(replace(written, outcome=outcome))[3] == (
+        f"Changed: master 17 wrote station 4 S-0-0091 3000 rpm -> 500 rpm at 03:12:07{said}."
     )
 
 

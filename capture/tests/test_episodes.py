@@ -159,6 +159,45 @@ def test_values_after_a_write_without_a_reaction_are_no_step() -> None:
     assert list(values.finish()) == []
 
 
+@pytest.mark.parametrize(
+    ("after", "outcome"),
+    [
+        ((), "still set at the end"),
+        (("500 rpm",), "still set at the end"),
+        (("480 rpm",), "at the end 480 rpm"),
+    ],
+)
+def test_what_became_of_what_a_new_master_wrote(after: Sequence[str], outcome: str) -> None:
+    engine = Engine(thresholds=THRESHOLDS._replace(learning_commands=1))
+    numbers = itertools.count(1)
+
+    def say(value: str, *, writer: int | None = None) -> None:
+        master, number = writer or 16, next(numbers)
+        command = (True, 0x1F if writer else 0x10, master, 4, False, None, False, False, False, False, "", False, None)
+        telegram = Telegram(*command, None, None, None, None, None, None, {})
+        parameter = Parameter("", "4", 7, "S-0-0091")
+        access = Access(parameter, writer is not None, master, "", value, None, value, "", "rpm", "", "")
+        engine.add(replace(packet(float(number)), telegrams=[telegram], accesses=[access]))
+
+    say("3000 rpm")
+    say("500 rpm", writer=17)
+    for value in after:
+        say(value)
+    (written,) = (one for one in engine.finish() if one.kind == "write")
+    assert (written.hit.detail, written.outcome) == ("3000 rpm -> 500 rpm by new master 17", outcome)
+    assert written.text.endswith(f"by new master 17; {outcome}")
+
+
+def test_the_filter_of_a_silence_finds_all_of_it() -> None:
+    silent = Episode.of(Hit("silent", 7, 100.0, 190.0, 4))
+    assert (
+        silent.filter
+        == f"frame.time_epoch >= 99.999998 && frame.time_epoch <= 190.000002 && ({RULES['silent'].filter})"
+    )
+    assert Episode.of(Hit("silent", 7, 100.0, 100.5, 4)).filter == "frame.number in {7}"
+    assert Episode.of(Hit("bus_silent", 7, 100.0, 190.0)).filter == "frame.number in {7}"  # no packet is in it
+
+
 @pytest.mark.parametrize(("longest_s", "count"), [("299", 1), ("301", 0)])
 def test_a_threshold_can_be_changed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], longest_s: str, count: int

@@ -12,8 +12,9 @@ import pytest
 
 from sistap.accesses.access import Access, Parameter
 from sistap.captures import reading
-from sistap.episodes.episode import Hit
+from sistap.episodes.episode import Hit, severity_of
 from sistap.episodes.live import FIELD, LIVE, Live
+from sistap.episodes.rules import Severity
 from sistap.files.pcapng import Interface
 from sistap.packets.dissection import Packet, Telegram
 from sistap.recorder import recorder as recorder_module
@@ -147,7 +148,26 @@ def test_a_diagnosis_is_told_at_once(bus: Bus) -> None:
         bus.now_s += 10
         bus.exchange(access("S-0-0390", value))
     (hit,) = bus.told
-    assert (hit.kind, hit.from_s, hit.detail) == ("changed", bus.now_s - 30, "0xA0101 -> 0xF2028")
+    assert (hit.kind, hit.from_s, hit.detail) == ("changed", bus.now_s - 30, "0xA0101 -> fault 0xF2028")
+
+
+@pytest.mark.parametrize(
+    ("ident", "value", "is_fault"),
+    [
+        ("S-0-0390", "0x000F2028", True),
+        ("S-0-0390", "0xF228", True),  # ECODRIVE03 has two digits after F2
+        ("S-0-0390", "0x000E2050", False),  # a warning
+        ("S-0-0390", "0x000AF228", False),
+        ("S-0-0011", "0xF228", False),  # not a diagnosis
+    ],
+)
+def test_a_fault_of_a_drive_is_an_error(bus: Bus, ident: str, value: str, *, is_fault: bool) -> None:
+    for shown in ("0xA0101", "0xA0101", value, "0xA0101", "0xA0101"):
+        bus.now_s += 10
+        bus.exchange(access(ident, shown))
+    (hit,) = bus.told
+    assert hit.detail == f"0xA0101 -> {'fault ' if is_fault else ''}{value}"
+    assert severity_of(hit) == (Severity.ERROR if is_fault else Severity.WARNING)
 
 
 def test_a_step_is_told_when_it_lasts_and_from_its_beginning(bus: Bus) -> None:

@@ -109,6 +109,12 @@ def test_what_decides_what_is_unresolved_is_said(report: Report) -> None:
     )
 
 
+def test_what_is_exactly_the_limit_cannot_be_decided(tshark: Tshark, tmp_path: Path) -> None:
+    limited = [Sent(SET_TZA), Sent(ACCEPT), Sent(READ, pauses_ms={6: 5.0}), Sent(ANSWER)]
+    (row,) = (row for row in tables.pauses(made(tshark, write(tmp_path / "x", limited))).rows if row[0] == "16")
+    assert row[-1] == "1; exactly the limit"
+
+
 def test_which_tza_would_be_kept(figures: dict[str, Any]) -> None:
     """By hand: the master's longest is 7.5 ms, and 0.31 ms uncertain; drive 4 has 5.2 ms, 0.5 ms uncertain, of 5 ms."""
     talkers = {one["station"]: one for one in figures["tza_by_talker"]}

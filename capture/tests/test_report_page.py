@@ -13,11 +13,13 @@ from pathlib import Path
 import pytest
 from report_capture import ACCEPT, BUS, LINE, READ, SET_TZA, STARTED, Sent, write
 
+from sistap.accesses.access import Access, Parameter
+from sistap.accesses.listing import Listing, Place
 from sistap.draw.panel import Area, Bar, Strokes, Text
 from sistap.draw.svg import stacked, svg
 from sistap.episodes.episode import Episode, Hit
 from sistap.line.settings import Flag
-from sistap.report import plots
+from sistap.report import plots, tables
 from sistap.report.gather import Report, gather
 from sistap.report.page import page
 from sistap.report.windows import parse
@@ -80,6 +82,21 @@ def test_what_others_wrote_is_escaped(text: str) -> None:
     assert STARTED not in text
     assert "test &lt;b&gt;adapter&lt;/b&gt; &amp; &quot;quotes&quot;" in text
     assert "<h1>a &lt;b&gt; &amp; c.pcapng</h1>" in text
+
+
+def test_below_the_answer_stands_what_its_short_names_mean(report: Report, text: str) -> None:
+    legend = tables.legend(report)
+    assert legend.startswith("Times: UTC")
+    assert "TzA: longest interval allowed between two characters" in legend
+    assert "Tmas" not in legend  # it is not in the answer
+    assert f"</ol><p>{legend}</p>" in text
+    happened = [Episode.of(Hit("step", 1, 0.0, 9.0, 3, "S-0-0040", "9 rpm below S-0-0036"))]
+    known = Listing()
+    for ident, name in (("S-0-0036", "Set"), ("P-0-0001", "Not told")):
+        access = Access(Parameter("", "3", 7, ident), False, 16, "", "9", 9.0, "09", name, "", "", "")
+        known.add(Place("", 1, 0.0), access)
+    one = replace(report, episodes=happened, figures=replace(report.figures, parameters=known))
+    assert tables.legend(one).split("; ")[1:] == ["S-0-0036: Set."]
 
 
 def test_every_colour_of_the_pictures_changes_in_the_dark(text: str) -> None:

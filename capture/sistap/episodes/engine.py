@@ -92,7 +92,11 @@ class Engine:
         self._book.add(self._values.finish())
         if self._before:
             self._book.add(unlike(self._before._values, self._values))
-        return self._book.episodes()
+        episodes = self._book.episodes()
+        for one in episodes:
+            if one.kind == "write" and one.hit.port in self._ports:
+                one.outcome = self._ports[one.hit.port].writes.outcome(one.hit)
+        return episodes
 
     def _port(self, name: str) -> _Port | None:
         """Return the port of this name, in a good capture. An only one may have another name now."""

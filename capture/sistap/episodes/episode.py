@@ -12,6 +12,7 @@ from sistap.episodes.rules import RULES, Rule, Severity
 ARROW = " -> "  # from one value to the next, in the words of a hit
 PACKETS = 10  # numbers that an episode keeps; then only the last one is replaced
 
+_LASTS_S = 1.0
 _CLOSE_S = 2e-6  # a number with decimals may be that far from the time of a packet
 
 
@@ -46,6 +47,7 @@ class Episode:
     to_s: float
     count: int
     packets: list[int]
+    outcome: str = ""  # what became of it until the end
 
     @classmethod
     def of(cls, hit: Hit) -> Episode:
@@ -86,13 +88,25 @@ class Episode:
     def text(self) -> str:
         """Return a sentence."""
         times = f" ({self.count} times)" if self.count > 1 else ""
-        return f"{self.subject}{': ' if self.hit.detail else ''}{self.hit.detail}{times}"
+        return f"{self.subject}{': ' if self.detail else ''}{self.detail}{times}"
+
+    @property
+    def detail(self) -> str:
+        """Return words about it."""
+        return "; ".join(filter(None, [self.hit.detail, self.outcome]))
+
+    @property
+    def lasts(self) -> bool:
+        """Tell whether it has an end."""
+        return self.to_s - self.from_s >= _LASTS_S
 
     @property
     def filter(self) -> str:
         """Return the display filter that finds its packets."""
         if not self.packets:
             return f'sis.parameter == "{self.hit.parameter}" && sis.talker == {self.station} && sis.value'
+        if len(self.packets) == 1 and self.lasts and self.rule.filter:
+            return self.filter_by_time
         if len(self.packets) < PACKETS or not self.rule.filter:
             return f"frame.number in {{{', '.join(map(str, self.packets))}}}"
         return f"frame.number >= {self.packets[0]} && frame.number <= {self.packets[-1]} && ({self.rule.filter})"

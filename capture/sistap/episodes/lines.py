@@ -16,7 +16,6 @@ from sistap.wireshark.rows import local
 NOT_OK = "NOT OK"
 _ALONE = 3  # episodes of a kind that are told one by one
 _PHRASES = 10  # in a line
-_LONG_S = 1.0  # an episode that lasts longer has an end
 _DAY_S = 86_400
 _SAME_S = 60.0  # within which a drive's values change together
 _PAIRED = {"phase", "rate"}  # there and back is one phrase
@@ -34,7 +33,7 @@ _TOLD = {
     "changed": "{who} {short} {when}",
     "step": "{who} {short} {when}",
     "drift": "{who} {short}",
-    "write": "{by} wrote {who} {values} at {at}",
+    "write": "{by} wrote {who} {values} at {at}{outcome}",
     "master": "{who} {short} {when}",
     "phase": "{who} phase {short} {when}",
     "rate": "{short} {when}",
@@ -260,6 +259,7 @@ def _words(episode: Episode, clock: Callable[[float], str]) -> dict[str, str]:
         "by": by,
         "values": values if hit.worst is None else _numbers(values),
         "lasted": lasted,
+        "outcome": f", {_ZEROS.sub(_point, episode.outcome)}" if episode.outcome else "",
         "silence": hit.detail if is_new else f"from {clock(episode.from_s)} ({lasted})",
     }
 
@@ -277,6 +277,4 @@ def _point(decimals: re.Match[str]) -> str:
 
 def when(episode: Episode, clock: Callable[[float], str]) -> str:
     """Write the time of an episode, and its end if it lasted."""
-    if episode.to_s - episode.from_s < _LONG_S:
-        return clock(episode.from_s)
-    return f"{clock(episode.from_s)} to {clock(episode.to_s)}"
+    return f"{clock(episode.from_s)} to {clock(episode.to_s)}" if episode.lasts else clock(episode.from_s)

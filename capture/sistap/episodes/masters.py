@@ -59,6 +59,7 @@ class Writes:
         self._known = before.values() if before else {}
         self.written: set[Parameter] = set()  # without the port: tomorrow the tap may be at another one
         self._present: dict[Parameter, Present] = {}
+        self._told: dict[str, Present] = {}  # by the topic of its hits
         self._rare: defaultdict[Parameter, list[Hit]] = defaultdict(list)  # the first writes of usual masters
         self.first: list[Hit] = []  # those in the last packet that changed what was never written
 
@@ -105,9 +106,21 @@ class Writes:
         ordered = sorted(self._present.values(), key=lambda present: order(present.parameter))
         return self._known | {present.parameter._replace(port=""): present.value for present in ordered}
 
+    def outcome(self, hit: Hit) -> str:
+        """Say what the parameter of a write has at the end; nothing if nobody knows."""
+        written = hit.detail.rpartition(" by ")[0].rpartition(ARROW)[2]
+        present = self._told.get(hit.topic)
+        if present is None or present.value is None:
+            return ""
+        return "still set at the end" if present.value == written else f"at the end {present.value}"
+
     def _hit(self, packet: Packet, access: Access, before: str | None) -> Hit:
         was = f"{before}{ARROW}" if before is not None else ""
         who = "new " if self._masters.is_new(access.master) else ""
+        topic = f"{access.parameter} {access.master}"
+        present = self._of(access.parameter)
+        if present:
+            self._told[topic] = present
         return Hit(
             "write",
             packet.number,
@@ -118,7 +131,7 @@ class Writes:
             f"{was}{access.value or 'another value'} by {who}{'' if access.master is None else 'master '}{access.by}",
             access.number,
             port=packet.interface,
-            topic=f"{access.parameter} {access.master}",
+            topic=topic,
         )
 
     def finish(self) -> Iterator[Hit]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -11,7 +12,7 @@ from sistap.accesses.listing import MOST
 from sistap.episodes.episode import ARROW, Hit
 from sistap.episodes.levels import Levels
 from sistap.episodes.masters import station_of
-from sistap.episodes.rules import THRESHOLDS, Thresholds
+from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.episodes.trend import Trend
 from sistap.packets.dissection import Packet, Telegram
 from sistap.sis.faults import WRITE
@@ -22,6 +23,8 @@ FOLLOWS = {"S-0-0040": "S-0-0036", "S-0-0084": "S-0-0080"}
 _HOUR_S = 3600.0
 _LARGEST = 1e100  # nothing that a drive measures; and squares of it are still numbers
 _SHOWN = 40  # characters of a text
+_DIAGNOSIS = "S-0-0390"
+_FAULT = re.compile(r"0x0*F[0-9A-F]{3,4}")  # as the drive shows it: F228, F2028; a warning begins with E
 
 
 @dataclass
@@ -157,7 +160,9 @@ def _changes(parameter: Parameter, followed: _Followed, few_levels: int) -> Iter
         if state.value != usual:
             was = f"{before.value[:_SHOWN]}{ARROW}" if before is not state else ""
             hit = _hit("changed", parameter, state.packet, state.from_s, max(after.from_s, state.to_s))
-            yield hit._replace(detail=f"{was}{state.value[:_SHOWN]}")
+            is_fault = parameter.ident == _DIAGNOSIS and _FAULT.fullmatch(state.value)
+            hit = hit._replace(detail=f"{was}{'fault ' if is_fault else ''}{state.value[:_SHOWN]}")
+            yield hit._replace(severity=Severity.ERROR) if is_fault else hit
 
 
 def _steps(parameter: Parameter, followed: _Followed) -> Iterator[Hit]:
@@ -179,12 +184,13 @@ def _drifts(parameter: Parameter, followed: _Followed) -> Iterator[Hit]:
         return
     points, found = drift
     hit = _hit("drift", parameter, 0, points[0][0], points[-1][0])
-    yield hit._replace(detail=_drift(found, followed.unit), worst=found.slope * _HOUR_S)
+    span = f"{_number(points[0][1])}{ARROW}{_number(points[-1][1])} {followed.unit}".rstrip()
+    yield hit._replace(detail=_drift(found, followed.unit, span), worst=found.slope * _HOUR_S)
 
 
-def _drift(found: Trend, unit: str) -> str:
+def _drift(found: Trend, unit: str, span: str) -> str:
     likely = f"by chance 1 in {1 / found.chance:.0f}" if found.chance > 1e-6 else "not by chance"
-    return f"{found.slope * _HOUR_S:+.3g} {unit}/h ({likely})"
+    return f"{found.slope * _HOUR_S:+.3g} {unit}/h, {span} ({likely})"
 
 
 def _number(value: float) -> str:

@@ -79,8 +79,8 @@ footer { margin-top: 3rem; font-size: .85rem; border-top: 1px solid var(--line);
 
 _LONG = 40  # characters in a cell that may be folded
 _KEY = (
-    "A bar is a telegram, each stroke in it a character at the time at which it was read. Red is what the dissector "
-    "judged exceeded or wrong."
+    "A bar is a telegram. Each stroke in it is a character, at the time at which it was read. Red is a limit that was "
+    "exceeded, or a fault."
 )
 _INTERVALS = "As recorded, from character to character; both scales are logarithmic."
 _SAME_READ = (
@@ -88,8 +88,8 @@ _SAME_READ = (
     "looks longer than it was."
 )
 _PARAMETERS = (
-    "A reading counts with its reaction, a writing when its reaction accepts it; what is refused is an error. "
-    "`sistap parameters --changes` lists every writing that has changed something."
+    "A read counts with its reaction, a write when its reaction accepts it. A refused one is an error. "
+    "`sistap parameters --changes` lists every write that changed something."
 )
 _VALUES = (
     "Where nothing was read for a long time, the curve has a gap. A dot is a value that was written. Red lines are the "
@@ -99,19 +99,19 @@ _VALUES = (
     "sis.value.number."
 )
 _TIMELINE = (
-    "A bar is an episode: red where something has to be looked at, grey where it is only noted. A click leads to its "
-    "row, which has its display filter."
+    "A bar is an episode: high and red for an error, low and red for a warning, grey for a note. A wide, pale bar "
+    "lasts that long. A click leads to its row, which has its display filter."
 )
 _PAUSES = (
     "The smallest safe TzA is the whole number of ms that every telegram of the capture surely kept. A longer capture "
-    "makes it surer. More exact times decide what is unresolved: `sistap doctor -i PORT` says how exact those of a "
-    "port are, and what makes them more exact."
+    "makes it more certain. More exact times decide what is unresolved: `sistap doctor -i PORT` says how exact those "
+    "of a port are, and what makes them more exact."
 )
 _REACTIONS = "From the last character of a command to the first of its reaction; both scales are logarithmic."
 _SCALED = "Both scales are logarithmic: a single long interval is seen, too."
 _OVERVIEW = (
-    "The load is that of the second before, from the first whole second on. The steps of a station count its "
-    "telegrams; the highest step of each is drawn equally high. A red stroke: at least one in that step."
+    "The load is that of the last second. The steps of a station count its telegrams; the highest step of each station "
+    "is equally high. A red stroke means at least one in that step."
 )
 
 
@@ -135,7 +135,7 @@ def page(report: Report, title: str = "", note: str = "") -> str:
         _times(report),
         _table(tables.services(report)),
         _parameters(report),
-        _table(tables.stations(report), "Damaged telegrams are left out: their addresses may be anybody's."),
+        _table(tables.stations(report), "Damaged telegrams are left out: nobody knows whose they are."),
         _table(tables.events(report)),
         f"<h2>Words</h2>{_remarks(list(tables.GLOSSARY))}",
         f"<footer>sistap {sistap.__version__}. All figures are those of Wireshark's dissector.</footer>",
@@ -165,7 +165,7 @@ def _answer(report: Report) -> str:
         phrases = [_phrase(phrase.text, places.get(id(phrase.episode))) for phrase in line.phrases]
         said = "; ".join([*phrases, *map(escape, line.rest)])
         items.append(f"<li>{head}{said or ('' if line.verdict else 'nothing')}</li>")
-    return f'<ol class="answer">{"".join(items)}</ol>'
+    return f'<ol class="answer">{"".join(items)}</ol><p>{escape(tables.legend(report))}</p>'
 
 
 def _phrase(text: str, row: int | None) -> str:

@@ -39,6 +39,7 @@ def as_text(report: Report, title: str = "", note: str = "") -> str:
         title,
         note,
         "\n".join(textwrap.fill(line, WIDTH, subsequent_indent="  ") for line in tables.answer(report)),
+        textwrap.fill(tables.legend(report), WIDTH),
         *tables.remarks(report),
         *(_table(make(report)) for make in [*shown, tables.stations, tables.parameters]),
         "\n".join(["Words", "-----", *tables.GLOSSARY]),

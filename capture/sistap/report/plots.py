@@ -65,13 +65,19 @@ def timeline(report: Report) -> Drawing | None:
             if one.station in lanes:
                 role = "bad" if one.severity >= Severity.WARNING else "other"
                 until_s, opacity = max(one.to_s, one.from_s + least_s), 0.5 if one.to_s - one.from_s > least_s else 1.0
-                lane, height = -lanes.index(one.station), _THIN if one.kind == "drift" else 0.7
+                lane, height = -lanes.index(one.station), _height(one)
                 link = f"#{ANCHOR}{number}"
                 panel.add(Bar(one.from_s, until_s, lane, height, role, opacity, link=link, tip=one.text))
         panel.name_lanes(["the bus" if lane is None else f"station {lane}" for lane in lanes])
         return [[panel]]
 
     return Drawing("What happened when", _WIDE_IN, 0.35 + _LANE_IN * len(lanes), draw)
+
+
+def _height(episode: Episode) -> float:
+    if episode.kind == "drift":
+        return _THIN
+    return 0.8 if episode.severity == Severity.ERROR else 0.45
 
 
 def overview(report: Report) -> Drawing | None:

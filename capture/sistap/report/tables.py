@@ -21,7 +21,7 @@ from sistap.records.record import Event, Framing, interval_text
 from sistap.report import curved
 from sistap.report.figures import SILENCE_S, Figures, Limit
 from sistap.report.gather import Report
-from sistap.report.pauses import MOST_PLACES
+from sistap.report.pauses import MOST_PLACES, Pause
 from sistap.report.unjudged import is_unknown
 from sistap.sis import faults as faults_of_sis
 from sistap.sis.faults import FAULTS
@@ -36,6 +36,7 @@ _FRAMINGS = {
 }
 _TYPES = {FRAME: "telegrams", OTHER: "other characters", EVENT: "events", None: "no records of the tap"}
 DAY_S = 86_400
+_EXACT_S = 1e-6  # no adapter is more exact
 # For a reader who does not know the bus.
 GLOSSARY = (
     "TzA is the longest interval allowed from one character of a telegram to the next. After a longer one, "
@@ -45,6 +46,12 @@ GLOSSARY = (
     "A verdict is unresolved if the times are not exact enough: the true time may be below or above the limit.",
 )
 _LATENCY_TIMER = re.compile(r"latency timer (\d+) ms")  # in the event that begins a capture
+_SHORT = {
+    "TzA": "longest interval allowed between two characters",
+    "TrS": "longest reaction time allowed",
+    "Tmas": "longest time allowed between two master control words",
+}
+_NAMED = re.compile(rf"\b(?:[SP]-\d-\d{{4}}|{'|'.join(_SHORT)})\b")
 ANCHOR = "episode"
 EPISODES_SHOWN = curved.EPISODES
 _PARAMETER_OF_EPISODE = 5  # the column
@@ -85,19 +92,29 @@ def answer(report: Report) -> list[str]:
     return [line.text for line in report.answer]
 
 
+def legend(report: Report) -> str:
+    """Say what the short names in the answer mean, and in which time zone its times are."""
+    said = " ".join(answer(report))
+    names = {listed.parameter.ident: listed.name for listed in report.figures.parameters} | _SHORT
+    words = [f"{short}: {names[short]}" for short in dict.fromkeys(_NAMED.findall(said)) if names.get(short)]
+    begun = local(report.figures.first_epoch_s or 0.0)
+    zone = [f"Times: {begun:UTC%z}".removesuffix("+0000")] if begun and report.episodes else []
+    return "; ".join([*zone, *words]) + "." if zone or words else ""
+
+
 def episodes(report: Report) -> Table:
     """All episodes, in the order of their time."""
     begin_s = report.figures.first_epoch_s or 0.0
-    time_of_day = clock_of(begin_s, begin_s + report.figures.duration_s)
+    time_of_day = clock_of(begin_s, begin_s + report.figures.duration_s, most_s=DAY_S)
     rows = [
         (
             time_of_day(one.from_s),
-            _lasting(one.to_s - one.from_s),
+            seconds(one.to_s - one.from_s) if one.lasts else "",
             one.severity.name.lower(),
             "" if one.station is None else str(one.station),
             one.rule.title,
             one.hit.parameter,
-            one.hit.detail,
+            one.detail,
             str(one.count),
             one.filter if report.files == 1 else one.filter_by_time,
         )
@@ -105,17 +122,13 @@ def episodes(report: Report) -> Table:
     ]
     left_out = max(len(report.episodes) - EPISODES_SHOWN, 0)
     title = "What happened" + (f" (and {left_out} more)" if left_out else "")
-    heads = ("From", "Duration", "Severity", "Station", "What", "Parameter", "Details", "Times", "Display filter")
+    heads = ("From", "Duration", "Severity", "Station", "What", "Parameter", "Details", "Count", "Display filter")
     links = {
         (row, _PARAMETER_OF_EPISODE): place
         for parameter, place in curved.places(report).items()
         for row in curved.happened(report, parameter)
     }
     return Table(title, heads, rows, code=8, anchor=ANCHOR, links=links)
-
-
-def _lasting(time_s: float) -> str:
-    return seconds(time_s) if time_s >= 1 else ""
 
 
 def summary(report: Report) -> Table:
@@ -193,7 +206,7 @@ def _same_read(figures: Figures) -> str:
 def events(report: Report) -> Table:
     """What the tap itself had to say."""
     left_out = report.figures.records[EVENT] - len(report.figures.events)
-    title = "What the tap said" + (f" (and {left_out} times more)" if left_out else "")
+    title = "Events of the tap" + (f" (and {left_out} times more)" if left_out else "")
     rows = [
         (
             str(packet.number),
@@ -262,12 +275,18 @@ def pauses(report: Report) -> Table:
                 f"{one.ratio:.0%}" if one.ratio and known else "",
                 f"{one.safe_ms} ms" if known else "not known",
                 f"fewer than 1 in {one.one_in}" if known and one.one_in > 1 else "",
-                f"{one.unresolved}; an uncertainty below {ms(one.exact_s)} decides them" if one.unresolved else "",
+                _decided(one) if one.unresolved else "",
             )
         )
     heads = ("Talker", "Rate", "Telegrams", "Longest interval", "Before character", "With its uncertainty")
-    more = ("Part of TzA", "Smallest safe TzA", "Longer ones (95 % sure)", "Unresolved")
+    more = ("Share of TzA", "Smallest safe TzA", "Longer ones (95 % sure)", "Unresolved")
     return Table("TzA: intervals by talker", (*heads, *more), rows)
+
+
+def _decided(one: Pause) -> str:
+    """Say how exact the times would have to be to decide what is unresolved."""
+    needed = f"an uncertainty below {ms(one.exact_s)} decides them"
+    return f"{one.unresolved}; {needed if one.exact_s >= _EXACT_S else 'exactly the limit'}"
 
 
 def places(report: Report) -> Table:
@@ -298,7 +317,9 @@ def faults(report: Report) -> Table:
     rows = [
         (fault.title, str(counts[fault.name]), fault.filter, fault.do if counts[fault.name] else "") for fault in FAULTS
     ]
-    return Table("Faults", ("What", "How often", "Display filter for all of them", "What to do"), rows, code=2)
+    note = "Every packet counts here. Above, packets that belong together are one: a silence has many commands."
+    heads = ("What", "How often", "Display filter for all of them", "What to do")
+    return Table("Faults", heads, rows, code=2, note=note)
 
 
 def services(report: Report) -> Table:
@@ -336,7 +357,7 @@ def parameters(report: Report) -> Table:
     title = "Parameters" + (f" (and {left_out} more: `sistap parameters` lists all)" if left_out else "")
     ports = {listed.parameter.port for listed in listing}
     rows = [_parameter(listed, has_port=len(ports) > 1) for listed in itertools.islice(listing, PARAMETERS_SHOWN)]
-    heads = ("Parameter", "Of", "Name", "Unit", "Reads", "Writes", "Errors", "First", "Last", "Least", "Greatest")
+    heads = ("Parameter", "Device", "Name", "Unit", "Reads", "Writes", "Errors", "First", "Last", "Least", "Greatest")
     places = curved.places(report)
     links = {(row, 0): places[listed.parameter] for row, listed in enumerate(listing) if listed.parameter in places}
     return Table(title, (*heads, "Written by", "In packet"), rows, links=links)
