@@ -14,10 +14,12 @@ from hypothesis import strategies as st
 from sharkd import Sharkd
 
 from sistap.accesses.access import Access, Parameter
+from sistap.accesses.listing import Place
 from sistap.draw.panel import Bar, Dots, Line, Panel
 from sistap.episodes.episode import Episode, Hit
 from sistap.report import curved, plain, plots, tables
 from sistap.report.curves import MOST_CURVES, MOST_POINTS, Curve, Curves
+from sistap.report.figures import Figures
 from sistap.report.gather import Report, gather
 from sistap.report.page import page
 from sistap.wireshark.tshark import Tshark
@@ -97,6 +99,18 @@ def test_the_curve_has_all_values_and_limits(panel: Panel) -> None:
         "station 3, device 5",
         "at least -10.00 Nm, at most 10.00 Nm",
     ]
+
+
+def test_a_curve_of_diagnoses_has_their_numbers(report: Report) -> None:
+    figures, of_drive = Figures(), Parameter("", "3", 7, "S-0-0390")
+    for second, number in enumerate((0xA0101, 0xA0101, 0xF2028, 0xA0102)):
+        value = f"0x{number:08X}"
+        access = Access(of_drive, False, 16, "", value, number, value, "", "", "", "")
+        figures.parameters.add(Place("", second, second), access)
+        figures.curves.add(second, access)
+    (drawing,) = plots.values(replace(report, figures=figures, episodes=[]))
+    ((panel,),) = drawing.draw()
+    assert [(tick.value, tick.words) for tick in panel.y.ticks] == [(0xA0101, "A0101"), (0xF2028, "F2028")]
 
 
 def test_a_curve_has_what_happened_and_its_place_on_the_page(report: Report, sharkd: Sharkd) -> None:

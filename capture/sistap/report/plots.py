@@ -20,6 +20,7 @@ from sistap.draw.panel import (
     Panel,
     Strokes,
     Text,
+    Tick,
     linear,
     logarithmic,
     milliseconds,
@@ -271,7 +272,18 @@ def _curve(curve: Curve, listed: Listed, duration_s: float) -> Panel:
     found = [value for point in curve.points for value in (point.least, point.greatest)] + limits
     margin = (max(found) - min(found)) * 0.05
     y = linear(min(found) - margin, max(found) + margin, 4)
+    if listed.last.startswith("0x"):
+        y.ticks = _hexadecimal(found, (y.high - y.low) / 10)
     return Panel(y=y, marks=marks, title=list(_curve_title(listed)), size_pt=8)
+
+
+def _hexadecimal(values: Sequence[float], apart: float) -> list[Tick]:
+    """Return a number at each value: between two diagnoses there is nothing."""
+    ticks: list[Tick] = []
+    for value in sorted(set(values)):
+        if not ticks or value - ticks[-1].value >= apart:
+            ticks.append(Tick(value, f"{round(value):X}"))
+    return ticks
 
 
 def _curve_title(listed: Listed) -> Iterator[str]:
