@@ -8604,7 +8604,7 @@ do
     if job and job.ident then d.words = d.words .. ": " .. S.recall_head(d.tree, d.tvb, head_of_command(job)) end
     if number == 0 then return end
     add_expert(item or d.root, EX.synax_error, strformat("Error 0x%02x: %s (Siemens' number)", number, text))
-    d.words = d.words .. strformat("  [error 0x%02x: %s]", number, text)
+    d.words = d.words .. strformat("  [error 0x%02x: %s (Siemens' number)]", number, text)
   end
 
   local function show_links(d)

@@ -298,7 +298,6 @@ show_command(const dissection_t *d)
     check_command(d, block);
 }
 
-/* Siemens' numbers; SYNAX' table is lost. */
 /* The head of the command that a reaction answers. */
 static synax_head_t
 head_of_command(const job_t *job)
@@ -306,6 +305,7 @@ head_of_command(const job_t *job)
     return synax_head_of(job->info, job->axis, job->ident);
 }
 
+/* Error numbers are Siemens'; SYNAX' table is lost. */
 static void
 show_reaction(const dissection_t *d)
 {
@@ -326,7 +326,7 @@ show_reaction(const dissection_t *d)
         return;
     expert_add_info_format(d->pinfo, item, &ei_synax_error, "Error 0x%02x: %s (Siemens' number)", error,
                            text);
-    wmem_strbuf_append_printf(d->words, "  [error 0x%02x: %s]", error, text);
+    wmem_strbuf_append_printf(d->words, "  [error 0x%02x: %s (Siemens' number)]", error, text);
 }
 
 static void
