@@ -1708,7 +1708,8 @@ field("sis.command_in", "Command in", ftypes.FRAMENUM, base.NONE, frametype.REQU
   "The packet that this reaction answers")
 field("sis.reaction_time", "Reaction time", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "From the last character of the command to the first of the reaction; from packet to packet where "
-    .. "the times of the characters are not known; not there if both came in one read of the tap")
+    .. "the times of the characters are not known; not there if both came in one read of the tap, or the "
+    .. "clock was set back between them")
 field("sis.reaction_time.ms", "Reaction time in ms", ftypes.DOUBLE, base.NONE, nil, 0,
   "For a column of the packet list")
 field("sis.repeat_of", "Repeat of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV, 0,
@@ -5273,7 +5274,8 @@ do
     if record.reaction_before then
       add_expert(root, E.reaction_again)
     elseif record.reaction_time and not S.is_measured(record.reaction_time, body.telegram.times) then
-      append_text(command, ", in the same read: the reaction time is not known")
+      append_text(command, strformat(", %s: the reaction time is not known",
+        record.reaction_time == 0 and "in the same read" or "which ended later by the clock"))
     elseif record.reaction_time and tree then
       set_generated(add_value(tree, F.reaction_time, tvb, 0, 0, nstime(record.reaction_time),
         T.ms_text(record.reaction_time)))
@@ -6346,23 +6348,29 @@ do
     return os.date("!%Y-%m-%d %H:%M:%S", seconds) .. strformat(".%09d", ns)
   end
 
-  -- For each format: how to write a number without its unit, and how many bytes it needs.
+  -- For each format: how to write a number without its unit, and how many bytes it can have.
   local writers = {
     [BINARY] = {write = binary_text, least = 1, most = 8},
     [UNSIGNED] = {write = unsigned_text, least = 1, most = 8},
     [SIGNED] = {write = signed_text, least = 1, most = 8},
+    [HEXADECIMAL] = {write = hexadecimal_text, least = 1, most = 8},
+    [TEXT] = {write = hexadecimal_text, least = 1, most = 1},
     [IDENT] = {write = ident_text, least = 2, most = 4},
     [FLOATING] = {write = float_text, least = 4, most = 8},
     [TIME] = {write = time_text, least = 8, most = 8},
   }
 
-  local function number_text(bytes, at, layout)
+  local function is_described(layout)
     local writer = writers[layout.format]
 
-    if writer and layout.size >= writer.least and layout.size <= writer.most then
-      return writer.write(bytes, at, layout)
-    end
-    return hexadecimal_text(bytes, at, layout)
+    return layout.size >= writer.least and layout.size <= writer.most
+  end
+
+  -- In hexadecimal if no document describes how to write it.
+  local function number_text(bytes, at, layout)
+    local write = is_described(layout) and writers[layout.format].write or hexadecimal_text
+
+    return write(bytes, at, layout)
   end
 
   -- Of the value at `at`, which counts from 1.
@@ -6460,7 +6468,7 @@ do
     local format = layout.format
 
     return format == UNSIGNED or format == SIGNED or format == HEXADECIMAL
-      or (format == FLOATING and layout.size >= 4)
+      or (format == FLOATING and is_described(layout))
   end
 
   -- The digits of a value, up to its unit, and in decimal.
@@ -6562,21 +6570,25 @@ do
     return text
   end
 
+  local function attribute_misfit(data, is_whole)
+    if data.length ~= ATTRIBUTE_SIZE then return is_whole and "an attribute has 4 bytes" or nil end
+    local attribute = get_number(data, 1, ATTRIBUTE_SIZE)
+    local is_undefined = bits(attribute, 23, 1) + bits(attribute, 31, 1) > 0
+
+    return is_undefined and "undefined bits of the attribute" or nil
+  end
+
   -- Why the data of an element do not fit its attribute, in words; nil: they fit.
   function S.element_misfit(data, element, known, is_whole)
-    if element == K.ELEMENT_ATTRIBUTE and data.length == ATTRIBUTE_SIZE then
-      local attribute = get_number(data, 1, ATTRIBUTE_SIZE)
-      local is_undefined = bits(attribute, 23, 1) + bits(attribute, 31, 1) > 0
-
-      return is_undefined and "undefined bits of the attribute" or nil
-    end
+    if element == K.ELEMENT_ATTRIBUTE then return attribute_misfit(data, is_whole) end
     local layout = element >= K.ELEMENT_MINIMUM and data.length > 0 and known and read_layout(known)
 
-    if not layout or data.length == layout.size then return nil end
-    if not layout.is_list then return "another length than its attribute says" end
+    if not layout then return nil end
+    if not layout.is_list and data.length ~= layout.size then return "another length than its attribute says" end
     local rest = (data.length - (is_whole and list_header_size(data) or 0)) % layout.size
 
-    return rest > 0 and "the last element is incomplete" or nil
+    if data.length ~= layout.size and rest > 0 then return "the last element is incomplete" end
+    return not is_described(layout) and "no document describes a value of this format and length" or nil
   end
 
   -- The number in the text of such data, as displayed; nil if it has none: bits, idents, lists, infinity.
@@ -6957,9 +6969,10 @@ do
       and max(T.longest(record), shortest_character(record)) + record.uncertainty <= limit
   end
 
-  -- Whether a duration up to this telegram was measured: in a read of the tap all characters have its time.
+  -- Whether a duration up to this telegram was measured: in a read of the tap all characters have its time, and a
+  -- clock that was set back measures nothing.
   function S.is_measured(elapsed, times)
-    return elapsed ~= 0 or not times.record
+    return elapsed > 0 or (elapsed == 0 and not times.record)
   end
 
   -- From the end of one telegram to the beginning of another.
@@ -6970,6 +6983,7 @@ do
   -- exceeded, ok or unresolved (see plugin/docs/verdicts.md); the limit in ns.
   function S.judge(span, limit)
     if span.least > limit then return K.TIME_EXCEEDED end
+    if span.most < 0 then return K.TIME_UNRESOLVED end -- the clock was set back
     return span.most <= limit and K.TIME_OK or K.TIME_UNRESOLVED
   end
 end
@@ -7368,6 +7382,7 @@ do
   end
 
   local function span_text(span)
+    if span.most < 0 then return "the clock was set back" end
     if span.most == K.ANY_TIME then
       return span.least > 0 and "at least " .. ms_text(span.least) or "not known"
     end
@@ -7453,9 +7468,10 @@ do
 
   -- "12.000 ms (idle 10.854 ms": the part without the character itself.
   local function idle_text(t, ns)
-    local idle = ns - t.telegram.times.record.character_ns
+    local character = t.telegram.times.record.character_ns
 
-    return strformat("%s (idle %s", ms_text(ns), ms_text(max(idle, 0)))
+    if character == 0 then return ms_text(ns) .. " (idle time not known" end
+    return strformat("%s (idle %s", ms_text(ns), ms_text(max(ns - character, 0)))
   end
 
   local function interval_text(t, interval)
@@ -7549,7 +7565,7 @@ do
   local function show_silence(t)
     local silence = t.silence
     S.add_column_ms(t.tree, F.silence_before_ms, t.body.tvb, silence)
-    local text = (t.is_longer and "more than " or "") .. idle_text(t, silence) .. ")"
+    local text = t.is_longer and "more than " .. ms_text(silence) or idle_text(t, silence) .. ")"
     local item = t.tree and add_time(t, F.silence_before, silence, text)
 
     if silence > OPERATOR_TERMINAL_SILENCE then

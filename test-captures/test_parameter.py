@@ -319,6 +319,15 @@ COMMANDS: Table = {
     29: "value=0x0000000000000003 (set and enable)",
 }
 
+# Values that no document describes have a note; so has an attribute of 3 bytes.
+RARE: Table = {
+    4: "value=1.2089073728705555e+24",  # (2^64 - 1) x 65535
+    8: "value=0x0807060504030201; body.note",
+    12: "value=0x1234; body.note",
+    14: "body.note",
+    36: "value=12.3456",
+    42: "value=12.3456",
+}
 
 TIMES = (160, 162)  # have no number
 NUMBER = re.compile(r"(?:-?[\d.]+(e[+-]\d+)?|0x[\dA-F]+)(?= |$)")  # in front of a unit; not 0b1010, S-0-0047
@@ -394,6 +403,10 @@ def test_what_a_device_of_the_same_type_says(tshark: Tshark) -> None:
 
 def test_values(tshark: Tshark) -> None:
     check(tshark, "values", "attribute value list.actual list.maximum list_offset list_length raw", "", VALUES)
+
+
+def test_values_that_no_document_describes(tshark: Tshark) -> None:
+    check(tshark, "rare", "value", "body.note", RARE)
 
 
 def test_idents_in_a_list_have_names(tshark: Tshark) -> None:

@@ -203,3 +203,28 @@ def test_load_after_the_clock_was_set_back(tshark: Tshark, tmp_path: Path) -> No
     text = tshark.output("-q", "-z", "sis,bus", "-r", str(capture))
     row = next(line for line in text.splitlines() if line.startswith("All "))
     assert float(row.split("|")[9]) == pytest.approx(25, abs=0.2)
+
+
+def test_a_clock_that_was_set_back_measures_nothing(tshark: Tshark, tmp_path: Path) -> None:
+    """Nor does it prove that a reaction, which took 25 ms, or a cycle was short enough."""
+    limits = ("event 7 3 TrS 20 ms\\n3 Tmas 100 ms",)
+    word = ("command 16>3 1F 3C 01 00 86 00 00 E0", "reaction 16>3 1F 00 3C 01")
+    switch = ("command 16>3 1D 04", "reaction 16>3 1D 00", "command 16>3 12")
+    capture = written(tmp_path, *limits, *word, *switch, "clock -5000", "reaction 16>3 12 00 04", *word)
+    fields = "reaction_time trs.verdict phase.switch_in phase.switch_time tmas.before_in tmas.cycle tmas.verdict"
+    frames = shown(tshark, capture, fields)
+    assert frames[5] == {"reaction_time": "0.025000000", "trs.verdict": "1"}
+    assert frames[7] == {"trs.verdict": "2", "phase.switch_in": "4"}
+    assert frames[8] == {"tmas.before_in": "2", "tmas.verdict": "2"}
+    tree = tshark.output("-r", str(capture), "-V", "-O", "sis")
+    assert "Command in: 6, which ended later by the clock: the reaction time is not known" in tree
+    assert "phase 4 (operating mode), reached\n" in tree
+    assert tree.count("not exact enough (2), the clock was set back") == 2
+
+
+def test_idle_time_at_an_unknown_rate(tshark: Tshark, tmp_path: Path) -> None:
+    """Nobody knows how much of a silence the character after it took."""
+    capture = written(tmp_path, "command 16>3 12", "line 0 8N1", "reaction 16>3 12 00 04", "pause 5 3")
+    tree = tshark.output("-r", str(capture), "-V", "-O", "sis", "-Y", "frame.number == 2")
+    assert "Silence before: 25.000 ms (idle time not known)" in tree
+    assert "Longest interval: 3.000 ms (idle time not known, uncertain by 0.310 ms)" in tree

@@ -34,6 +34,24 @@ typedef struct {
     const sis_place_t *place; /* whose it is; NULL: unknown */
 } layout_t;
 
+/* The sizes in bytes, added up, that a value of each format can have. */
+static const uint8_t format_sizes[] = {
+    [SIS_FORMAT_BINARY] = 1 + 2 + 4 + 8,
+    [SIS_FORMAT_UNSIGNED] = 1 + 2 + 4 + 8,
+    [SIS_FORMAT_SIGNED] = 1 + 2 + 4 + 8,
+    [SIS_FORMAT_HEXADECIMAL] = 1 + 2 + 4 + 8,
+    [SIS_FORMAT_TEXT] = 1,
+    [SIS_FORMAT_IDENT] = 2 + 4,
+    [SIS_FORMAT_FLOATING] = 4 + 8,
+    [SIS_FORMAT_TIME] = 8,
+};
+
+static bool
+is_described(const layout_t *layout)
+{
+    return layout->size & format_sizes[layout->format];
+}
+
 /* False for undefined length codes. */
 static bool
 read_layout(const sis_known_t *known, const sis_element_data_t *data, layout_t *layout)
@@ -140,7 +158,7 @@ static bool
 read_ident(const layout_t *layout, uint64_t raw, sis_ident_t *ident)
 {
     *ident = (sis_ident_t){.number = (uint16_t)raw, .structure = (uint16_t)(raw >> 16)};
-    return layout->format == SIS_FORMAT_IDENT && (layout->size == 2 || layout->size == 4);
+    return layout->format == SIS_FORMAT_IDENT && is_described(layout);
 }
 
 #define NS_IN_SECOND 1000000000u
@@ -150,8 +168,7 @@ read_ident(const layout_t *layout, uint64_t raw, sis_ident_t *ident)
 static const char *
 time_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
 {
-    uint32_t ns =
-        layout->size == 8 ? (uint32_t)get_number(tvb, offset + 4, 4, layout->encoding) : NS_IN_SECOND;
+    uint32_t ns = (uint32_t)get_number(tvb, offset + 4, 4, layout->encoding);
     GDateTime *utc;
     const char *text;
 
@@ -166,7 +183,7 @@ time_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_
     return text;
 }
 
-/* A number without its unit. */
+/* A number without its unit; in hexadecimal if no document describes how to write it. */
 static const char *
 number_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
 {
@@ -174,7 +191,7 @@ number_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layou
     const char *utc;
     sis_ident_t ident;
 
-    switch (layout->format) {
+    switch (is_described(layout) ? layout->format : SIS_FORMAT_HEXADECIMAL) {
     case SIS_FORMAT_BINARY:
         return binary_text(scope, raw, layout->size);
     case SIS_FORMAT_UNSIGNED:
@@ -182,17 +199,14 @@ number_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layou
     case SIS_FORMAT_SIGNED:
         return signed_text(scope, raw, layout);
     case SIS_FORMAT_IDENT:
-        if (read_ident(layout, raw, &ident))
-            return sis_ident_text(scope, ident);
-        break;
+        read_ident(layout, raw, &ident);
+        return sis_ident_text(scope, ident);
     case SIS_FORMAT_TIME:
         if ((utc = time_text(scope, tvb, offset, layout)) != NULL)
             return utc;
         break;
     case SIS_FORMAT_FLOATING:
-        if (layout->size >= 4)
-            return float_text(scope, tvb, offset, layout);
-        break;
+        return float_text(scope, tvb, offset, layout);
     default:
         break;
     }
@@ -219,7 +233,7 @@ is_number(const layout_t *layout)
 {
     return layout->format == SIS_FORMAT_UNSIGNED || layout->format == SIS_FORMAT_SIGNED ||
            layout->format == SIS_FORMAT_HEXADECIMAL ||
-           (layout->format == SIS_FORMAT_FLOATING && layout->size >= 4);
+           (layout->format == SIS_FORMAT_FLOATING && is_described(layout));
 }
 
 /* The number in the text of a value, up to `unit`. Bits, idents and infinity have no number. */
@@ -435,22 +449,32 @@ add_ident(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *data, 
     return text;
 }
 
+static const char *
+attribute_misfit(const sis_element_data_t *data)
+{
+    if (tvb_captured_length(data->tvb) != ATTRIBUTE_SIZE)
+        return data->is_whole ? "an attribute has 4 bytes" : NULL;
+    return get_number(data->tvb, 0, ATTRIBUTE_SIZE, data->encoding) & UNDEFINED_BITS
+               ? "undefined bits of the attribute"
+               : NULL;
+}
+
 const char *
 sis_element_misfit(const sis_element_data_t *data, sis_element_t element, const sis_known_t *known)
 {
     unsigned length = tvb_captured_length(data->tvb), rest;
     layout_t layout;
 
-    if (element == SIS_ELEMENT_ATTRIBUTE && length == ATTRIBUTE_SIZE &&
-        (get_number(data->tvb, 0, ATTRIBUTE_SIZE, data->encoding) & UNDEFINED_BITS))
-        return "undefined bits of the attribute";
-    if (element < SIS_ELEMENT_MINIMUM || length == 0 || !read_layout(known, data, &layout) ||
-        length == layout.size)
+    if (element == SIS_ELEMENT_ATTRIBUTE)
+        return attribute_misfit(data);
+    if (element < SIS_ELEMENT_MINIMUM || length == 0 || !read_layout(known, data, &layout))
         return NULL;
-    if (!layout.is_list)
+    if (!layout.is_list && length != layout.size)
         return "another length than its attribute says";
     rest = (length - (data->is_whole ? list_header_size(data) : 0)) % layout.size;
-    return rest == 0 ? NULL : "the last element is incomplete";
+    if (length != layout.size && rest > 0)
+        return "the last element is incomplete";
+    return is_described(&layout) ? NULL : "no document describes a value of this format and length";
 }
 
 const char *

@@ -579,7 +579,7 @@ protocol_register_sis(void)
         {&hf_sis_stream, {"Stream", "sis.stream", FT_UINT32, BASE_DEC, NULL, 0, "One number for each pair of stations", HFILL}},
         {&hf_sis_reaction_in, {"Reaction in", "sis.reaction_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RESPONSE), 0, "The packet that answers this command", HFILL}},
         {&hf_sis_command_in, {"Command in", "sis.command_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, "The packet that this reaction answers", HFILL}},
-        {&hf_sis_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known; not there if both came in one read of the tap", HFILL}},
+        {&hf_sis_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known; not there if both came in one read of the tap, or the clock was set back between them", HFILL}},
         {&hf_sis_reaction_time_ms, {"Reaction time in ms", "sis.reaction_time.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
         {&hf_sis_repeat_of, {"Repeat of", "sis.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, "The packet that this command repeats, byte for byte", HFILL}},
         {&hf_sis_unanswered_before, {"Command before, not answered", "sis.unanswered_before", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's command before this one, where it went on without a reaction", HFILL}},

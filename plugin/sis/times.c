@@ -258,7 +258,7 @@ sis_longest(const sis_times_t *times, int64_t limit)
 bool
 sis_is_measured(int64_t elapsed, const sis_times_t *times)
 {
-    return elapsed != 0 || times->record == NULL;
+    return elapsed > 0 || (elapsed == 0 && times->record == NULL);
 }
 
 sis_span_t
@@ -275,5 +275,7 @@ sis_judge(sis_span_t span, int64_t limit)
 {
     if (span.least > limit)
         return SIS_TIME_EXCEEDED;
+    if (span.most < 0)
+        return SIS_TIME_UNRESOLVED; /* the clock was set back */
     return span.most <= limit ? SIS_TIME_OK : SIS_TIME_UNRESOLVED;
 }

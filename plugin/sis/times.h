@@ -53,7 +53,8 @@ typedef struct {
 /* The limit in ns; 0: none, and nothing exceeds it. Only where times->record is not NULL. */
 sis_longest_t sis_longest(const sis_times_t *times, int64_t limit);
 
-/* Whether a duration up to this telegram was measured: in a read of the tap all characters have its time. */
+/* Whether a duration up to this telegram was measured: in a read of the tap all characters have its time, and
+ * a clock that was set back measures nothing. */
 bool sis_is_measured(int64_t elapsed, const sis_times_t *times);
 
 /* From the end of one telegram to the beginning of another. */

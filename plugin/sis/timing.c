@@ -69,6 +69,8 @@ ms_text(const timing_t *t, int64_t ns)
 static const char *
 span_text(const timing_t *t, const sis_span_t *span)
 {
+    if (span->most < 0)
+        return "the clock was set back";
     if (span->most == SIS_ANY_TIME)
         return span->least > 0 ? wmem_strdup_printf(t->pinfo->pool, "at least %s", ms_text(t, span->least))
                                : "not known";
@@ -175,10 +177,21 @@ verdict_numbers(const timing_t *t)
                               is_exceeded ? "begins anew at" : "not known before", at);
 }
 
+/* "25.000 ms (idle 23.854 ms": the part without the character itself. */
+static const char *
+idle_text(const timing_t *t, int64_t ns)
+{
+    int64_t character = sertap_character_ns(t->telegram->times.record);
+
+    if (character == 0)
+        return wmem_strdup_printf(t->pinfo->pool, "%s (idle time not known", ms_text(t, ns));
+    return wmem_strdup_printf(t->pinfo->pool, "%s (idle %s", ms_text(t, ns),
+                              ms_text(t, MAX(ns - character, 0)));
+}
+
 static const char *
 interval_text(const timing_t *t, const sis_interval_t *interval)
 {
-    int64_t idle = interval->recorded - sertap_character_ns(t->telegram->times.record);
     uint32_t uncertainty = t->telegram->times.record->uncertainty;
 
     if (interval->is_saturated)
@@ -186,7 +199,7 @@ interval_text(const timing_t *t, const sis_interval_t *interval)
     if (!interval->is_exact)
         return span_text(t, &interval->span);
     return wmem_strdup_printf(
-        t->pinfo->pool, "%s (idle %s%s)", ms_text(t, interval->recorded), ms_text(t, MAX(idle, 0)),
+        t->pinfo->pool, "%s%s)", idle_text(t, interval->recorded),
         uncertainty == SERTAP_UNCERTAINTY_UNKNOWN
             ? ", uncertainty unknown"
             : wmem_strdup_printf(t->pinfo->pool, ", uncertain by %s", ms_text(t, uncertainty)));
@@ -306,16 +319,16 @@ show_bus(const timing_t *t)
 static void
 show_silence(const timing_t *t)
 {
-    int64_t silence = t->timing->silence, idle = silence - sertap_character_ns(t->telegram->times.record);
+    int64_t silence = t->timing->silence;
     proto_item *item;
 
     sertap_add_column_ms(t->tree, hf_sis_silence_before_ms, t->body->tvb, silence);
     if (!proto_field_is_referenced(t->tree, hf_sis_silence_before))
         return;
     item = add_time(t, hf_sis_silence_before, silence,
-                    wmem_strdup_printf(t->pinfo->pool, "%s%s (idle %s)",
-                                       t->timing->is_silence_known ? "" : "more than ", ms_text(t, silence),
-                                       ms_text(t, MAX(idle, 0))));
+                    t->timing->is_silence_known
+                        ? wmem_strdup_printf(t->pinfo->pool, "%s)", idle_text(t, silence))
+                        : wmem_strdup_printf(t->pinfo->pool, "more than %s", ms_text(t, silence)));
     if (silence > OPERATOR_TERMINAL_SILENCE)
         proto_item_append_text(item, ", more than the 200 ms after which an operator terminal gives up");
 }

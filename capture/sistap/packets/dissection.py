@@ -118,7 +118,7 @@ _LINE_ERRORS = (
 class Judged(NamedTuple):
     """A time with its limit and verdict, in s; None without a value."""
 
-    time_s: float  # 0: not measured, because all came in one read
+    time_s: float  # 0: not measured, because all came in one read or the clock was set back
     limit_s: float | None
     verdict: int | None  # one of the three below
 
