@@ -9539,8 +9539,9 @@ do
   local BUSY_BIT, LAST_BIT = K.SYNAXPK_WORD_BUSY, K.SYNAXPK_WORD_LAST
   local DRIVE_SHORT_1, A_SHORT_1, SIS_FORMAT = 0x0, 0x1, 0xB
   local BUSY_CODE, SERIAL_ERRORS, TELEGRAM_START = 0x0008, 0x01, 0x02
-  local DRIVE_ERROR_BIT, DRIVE_LAST_BIT = K.SYNAXPK_DRIVE_ERROR, K.SYNAXPK_DRIVE_LAST
-  local FIRST_S_INDEX, S_INDEX_END = 0x2000, 0x3000
+  local DRIVE_PF_BIT, DRIVE_ERROR_BIT = K.SYNAXPK_DRIVE_PF, K.SYNAXPK_DRIVE_ERROR
+  local DRIVE_LAST_BIT = K.SYNAXPK_DRIVE_LAST
+  local FIRST_S_INDEX, S_INDEX_END, ORDER_HEAD_END = 0x2000, 0x3000, 6 -- the last: of the word, index and subindex
   local SYNAX = 0 -- a layout; IndraDrive's is 1
   local GUESS, MASTER, SLAVE = 0, K.SYNAXPK_MASTER, K.SYNAXPK_SLAVE
   local SENT, RECEIVED = 0, 1 -- pinfo.p2p_dir
@@ -9878,7 +9879,18 @@ do
     c.words = c.words .. " (" .. ident.text .. ")"
   end
 
-  -- IndraDrive: an order begins with index and subindex; fragments are not reassembled.
+  -- An order begins with index and subindex; idents of 4 bytes extend them (HDx-19, page 94). Returns where its data
+  -- begin.
+  local function add_order(c)
+    if has(c, DRIVE_PF_BIT) then
+      mark(c, nil, EX.synax_note, "Orders with an ident of 4 bytes are not decoded")
+      return WORD_SIZE
+    end
+    add_index(c)
+    return ORDER_HEAD_END
+  end
+
+  -- IndraDrive: fragments are not reassembled.
   local function add_indradrive(c)
     local fragment, there, at = band(rshift(c.word, 8), 0xF), c.there - WORD_SIZE, WORD_SIZE
     local is_alone = has(c, DRIVE_LAST_BIT) and fragment == band(c.word, 0xFF)
@@ -9888,13 +9900,10 @@ do
     c.end_ = WORD_SIZE + min(fragment, there)
     if c.sender == SLAVE and has(c, DRIVE_ERROR_BIT) then
       say(c, "error")
-      mark(c, nil, EX.synax_error, "error")
+      mark(c, nil, EX.synax_error, "The drive reports an error")
     end
     say_bytes(c, c.end_ - WORD_SIZE)
-    if c.sender == MASTER and is_alone and c.end_ >= 6 then
-      add_index(c)
-      at = 6
-    end
+    if c.sender == MASTER and is_alone and c.end_ >= ORDER_HEAD_END then at = add_order(c) end
     if c.end_ > at then add(c.tree, FX.synaxpk_payload, c.tvb, at, c.end_ - at) end
     add_beyond(c)
   end

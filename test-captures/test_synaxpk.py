@@ -163,7 +163,7 @@ INDRADRIVE: Table = {
     5: f"{drive('0110', 2, 2)}; synaxpk.payload=009d; synax.error",
     6: f"{drive('0000', 4, 8)}; synaxpk.payload=01020304",
     7: f"{drive('0011', 4, 4)}; synaxpk.index=0x1000; synaxpk.subindex=1",
-    8: f"{drive('1010', 4, 4)}; {S57}",
+    8: f"{drive('1010', 4, 4)}; synaxpk.payload=20390007; synax.note",
     9: f"{drive('0111', 4, 4)}; synaxpk.payload=20390007",
     10: "sis.raw=74; synax.short",
     11: f"{drive('0111', 4, 4)}; synaxpk.payload=2039; synax.short",

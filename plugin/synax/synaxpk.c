@@ -33,8 +33,9 @@
 #define TELEGRAM_START 0x02
 
 /* IndraDrive. */
-#define FIRST_S_INDEX 0x2000
-#define S_INDEX_END   0x3000
+#define FIRST_S_INDEX  0x2000
+#define S_INDEX_END    0x3000
+#define ORDER_HEAD_END 6u /* of the word, index and subindex */
 
 typedef enum { SYNAX, INDRADRIVE } layout_t;
 #define GUESS 0 /* no sender is known: the contents decide */
@@ -515,7 +516,20 @@ add_drive_word(channel_t *c)
     return fragment;
 }
 
-/* IndraDrive: an order begins with index and subindex; fragments are not reassembled. */
+/* An order begins with index and subindex; idents of 4 bytes extend them (HDx-19, page 94). Returns where its
+ * data begin. */
+static unsigned
+add_order(channel_t *c)
+{
+    if (c->word & SYNAXPK_DRIVE_PF) {
+        mark(c, NULL, &ei_synax_note, "Orders with an ident of 4 bytes are not decoded");
+        return WORD_SIZE;
+    }
+    add_index(c);
+    return ORDER_HEAD_END;
+}
+
+/* IndraDrive: fragments are not reassembled. */
 static void
 add_indradrive(channel_t *c)
 {
@@ -524,13 +538,11 @@ add_indradrive(channel_t *c)
 
     if (c->sender == SYNAXPK_SLAVE && c->word & SYNAXPK_DRIVE_ERROR) {
         say(c, "error");
-        mark(c, NULL, &ei_synax_error, "error");
+        mark(c, NULL, &ei_synax_error, "The drive reports an error");
     }
     say_bytes(c, c->end - WORD_SIZE);
-    if (c->sender == SYNAXPK_MASTER && is_alone && c->end >= 6) {
-        add_index(c);
-        at = 6;
-    }
+    if (c->sender == SYNAXPK_MASTER && is_alone && c->end >= ORDER_HEAD_END)
+        at = add_order(c);
     if (c->end > at)
         proto_tree_add_item(c->tree, hf_synaxpk_payload, c->tvb, at, c->end - at, ENC_NA);
     if (c->there > c->end)
