@@ -45,7 +45,10 @@ def hostile(decimals: int, ticks: int) -> bytes:
     )
 
 
-@pytest.mark.parametrize("command", ["log", "report --format text", "parameters", "compare day.pcapng", "tables -o t"])
+@pytest.mark.parametrize(
+    "command",
+    ["log", "report --format text", "report --format html", "parameters", "compare day.pcapng", "tables -o t"],
+)
 @pytest.mark.parametrize(("decimals", "ticks"), [(6, LATEST), (9, LATEST), (9, 0), (0, LATEST), (0, 1 << 40)])
 @pytest.mark.attack("packets without a time, or with a time in no calendar", "read without it, or refused in one line")
 def test_packets_without_a_time(tmp_path: Path, command: str, decimals: int, ticks: int) -> None:

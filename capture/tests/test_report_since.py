@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,13 @@ HALVES_S = 150  # of the night, in two files
 )
 def test_the_time_is_counted_back_from_the_end(text: str, expected: datetime) -> None:
     assert since.parse(text)(END) == expected.astimezone()
+
+
+def test_a_log_without_dates_is_of_1970_01_01() -> None:
+    """Windows has no time before, and converts none of that day without a zone."""
+    assert since.parse("1970-01-01T00:30")(END).replace(tzinfo=None) == datetime(1970, 1, 1, 0, 30)
+    noon = datetime.fromtimestamp(12 * 3600, UTC).astimezone()
+    assert since.parse(f"{noon + timedelta(hours=1):%H:%M}")(noon) < noon
 
 
 @pytest.mark.parametrize("text", ["", "8", "24:00", "6:0", "-8h", "8w", "yesterday", "99999999d"])

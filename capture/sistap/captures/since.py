@@ -6,13 +6,14 @@ from __future__ import annotations
 import re
 from collections import deque
 from collections.abc import Callable, Sequence
-from datetime import datetime, timedelta
+from datetime import UTC, datetime, timedelta
 from itertools import pairwise
 from pathlib import Path
 
 from sistap.captures import reading
 from sistap.captures.joining import begin_ns
 from sistap.captures.reading import NotCaptured
+from sistap.common.calendar import of_clock
 
 Since = Callable[[datetime], datetime]  # of the end of the captures
 
@@ -29,23 +30,23 @@ def parse(text: str) -> Since:
     if clock := _CLOCK.fullmatch(text):
         return lambda end: _last(end, int(clock[1]), int(clock[2]))
     try:
-        moment = datetime.fromisoformat(text).astimezone()
-    except (ValueError, OverflowError):
+        moment = datetime.fromisoformat(text)
+    except ValueError:
         raise ValueError(f"'{text}' is not 8h, 30m, 2d, 06:00 or a date such as 2026-03-14T06:00") from None
-    return lambda _: moment
+    return lambda _: moment if moment.tzinfo else of_clock(moment)
 
 
 def _last(end: datetime, hour: int, minute: int) -> datetime:
     """Return the last time the clock showed this."""
     found = end.replace(hour=hour, minute=minute, second=0, microsecond=0)
-    return found if found <= end else (found.replace(tzinfo=None) - timedelta(days=1)).astimezone()
+    return found if found <= end else of_clock(found.replace(tzinfo=None) - timedelta(days=1))
 
 
 def recent(captures: Sequence[Path], since: Since) -> tuple[list[Path], float]:
     """Return the captures, in order, that reach beyond that time, and the time in s since 1970. Raise NotCaptured."""
     last = deque((packet.time_ns for packet in reading.packets(captures[-1]) if packet.time_ns is not None), maxlen=1)
     try:
-        from_s = since(datetime.fromtimestamp(last[0] / 1e9).astimezone()).timestamp()
+        from_s = since(datetime.fromtimestamp(last[0] / 1e9, UTC).astimezone()).timestamp()
     except (IndexError, ValueError, OverflowError, OSError):
         raise NotCaptured(f"{captures[-1]} has no time to count back from: leave out --since") from None
     begins = pairwise([*(begin_ns(capture) for capture in captures), None])

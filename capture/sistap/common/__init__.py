@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What several commands share, and a tap does not need.
 
-Output files (writing), temporary files (temporary), what other programs complain of (complaints), and work without
-Python's search for cycles (garbage). It may use terminal.
+Output files (writing), temporary files (temporary), what other programs complain of (complaints), local time in every
+system (calendar), and work without Python's search for cycles (garbage). It may use terminal.
 """

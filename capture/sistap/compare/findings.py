@@ -7,13 +7,13 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from sistap.accesses.listing import Listed
+from sistap.common.calendar import local
 from sistap.compare.differences import Comparison, Count, Parameter, Quantile, Times
 from sistap.compare.happened import Happened
 from sistap.compare.side import Side
 from sistap.episodes.lines import clock_of, when
 from sistap.episodes.masters import station_of
 from sistap.episodes.rules import SUBJECTS, Subject
-from sistap.wireshark.rows import local
 
 TIMES = "Times"
 NONE = "nothing differs"

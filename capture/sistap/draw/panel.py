@@ -20,6 +20,9 @@ COLOURS = {
     "bad": "#d1350f",
 }
 
+# The calendar repeats every 400 years. Windows has no time after the year 3000.
+_CALENDAR_S = 146_097 * 86_400
+
 Points = Sequence[tuple[float, float]]
 
 
@@ -192,7 +195,7 @@ def times_of_day(begin_s: float, end_s: float) -> Axis:
     first = math.ceil((begin_s + shift_s) / step)
     values = [number * step - shift_s for number in range(first, math.floor((end_s + shift_s) / step) + 1)]
     pattern = "%d.%m. %H:%M" if end_s - begin_s > 86400 else "%H:%M:%S" if step < 60 else "%H:%M"
-    ticks = [Tick(value, time.strftime(pattern, time.gmtime(value + shift_s))) for value in values]
+    ticks = [Tick(value, time.strftime(pattern, time.gmtime((value + shift_s) % _CALENDAR_S))) for value in values]
     return Axis(begin_s, max(end_s, begin_s + 1e-3), ticks=ticks)
 
 

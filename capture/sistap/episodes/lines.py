@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from sistap.common.calendar import local
 from sistap.episodes.episode import ARROW, Episode
 from sistap.episodes.rules import RULES, SUBJECTS, Severity, Subject
 from sistap.episodes.silence import seconds
-from sistap.wireshark.rows import local
 
 NOT_OK = "NOT OK"
 _ALONE = 3  # episodes of a kind that are told one by one

@@ -11,10 +11,13 @@ _DIRECTIONS = {1: "RX  ", 2: "TX  "}
 
 
 def stamp(seconds: int, ns: int) -> str:
-    """Return local time with its zone; empty for 0, the time of a log without times."""
+    """Return local time with its zone; empty for 0, the time of a log without times, and for one in no calendar."""
     if not seconds and not ns:
         return ""
-    local = time.localtime(seconds)
+    try:
+        local = time.localtime(seconds)
+    except (OverflowError, OSError):
+        return ""
     return f"{time.strftime('%Y-%m-%d %H:%M:%S', local)}.{ns:09d}{time.strftime('%z', local)}  "
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from sistap.accesses.access import Parameter
 from sistap.accesses.listing import Change, Listed
-from sistap.wireshark.rows import local
+from sistap.common.calendar import local
 
 _UNKNOWN = "unknown"
 _LIST_HEADS = (

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from sistap.accesses.access import Parameter
 from sistap.accesses.listing import Listed
+from sistap.common.calendar import local
 from sistap.episodes.lines import clock_of
 from sistap.episodes.silence import seconds
 from sistap.line import drivers
@@ -27,7 +28,7 @@ from sistap.sis import faults as faults_of_sis
 from sistap.sis.faults import FAULTS
 from sistap.sis.limits import NAMES, told
 from sistap.sis.telegram import service_name
-from sistap.wireshark.rows import EVENT, FRAME, OTHER, local
+from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 _FRAMINGS = {
     int(Framing.PROCEDURE_3964R): "handshakes and blocks of 3964R",

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from datetime import UTC, datetime
 from functools import lru_cache
 from operator import eq, gt
 from pathlib import Path
@@ -119,14 +118,6 @@ def info(columns: dict[str, str]) -> str:
     """
     column, field = INFO_FIELDS
     return columns.get(column) or columns.get(field, "").replace("\\\\", "\\")
-
-
-def local(epoch_s: float) -> datetime | None:
-    """Return a time of a packet as local time; None if no calendar has it."""
-    try:
-        return datetime.fromtimestamp(epoch_s, UTC).astimezone()  # Windows fails on 1970-01-01 without UTC
-    except (ValueError, OverflowError, OSError):
-        return None
 
 
 def unknown_fields(said: str) -> set[str]:
