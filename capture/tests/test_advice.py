@@ -69,7 +69,7 @@ def test_debians_python_takes_debians_packages(python: Path) -> None:
     assert missing("pyserial").endswith(": `sudo apt-get install python3-serial`")
     said = missing("pyarrow")  # Debian has none
     assert "`~/sistap-python/bin/pip install pyarrow`" in said
-    assert f"`PYTHONPATH={PACKAGE.parent} ~/sistap-python/bin/python3 -m sistap`" in said
+    assert f"`PYTHONPATH={shell_word(str(PACKAGE.parent))} ~/sistap-python/bin/python3 -m sistap`" in said
 
 
 def test_the_bundle_for_windows_has_no_pip(python: Path, monkeypatch: pytest.MonkeyPatch) -> None:

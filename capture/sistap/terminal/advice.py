@@ -83,6 +83,6 @@ def advice(system: str = "") -> Advice:
     return _OF_SYSTEM.get(system or sys.platform, _LINUX)
 
 
-def shell_word(text: str, system: str = sys.platform) -> str:
-    """Return a word of a command that a person can copy: quoted as the shell of this system needs it."""
-    return subprocess.list2cmdline([text]) if system == "win32" else shlex.quote(text)
+def shell_word(text: str, system: str = "") -> str:
+    """Return a word of a command that a person can copy: quoted as the shell of the system needs it."""
+    return subprocess.list2cmdline([text]) if (system or sys.platform) == "win32" else shlex.quote(text)
