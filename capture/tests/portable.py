@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from sistap.terminal.advice import advice
+
 WINDOWS = sys.platform == "win32"
 
 # Those that import nothing special.
@@ -47,6 +49,8 @@ libpcap = pytest.mark.skipif(
 unpackaged = pytest.mark.skipif(
     Path("/usr/bin/sistap").exists(), reason="the package sistap is installed here: Wireshark loads its dissector"
 )
+# What a command says, and the cure, where PATH leads nowhere.
+NO_TSHARK = ("no Wireshark was found", advice().no_wireshark) if WINDOWS else ("tshark is not on PATH", advice().tshark)
 compiled = posix("no gcc that makes modules of Linux")
 
 

@@ -20,7 +20,7 @@ import pytest
 from commands import run_with
 from independent import packets
 from logs import LOGS, MARKED, PHASE, READ_PHASE, SET_RATE
-from portable import WINDOWS, posix
+from portable import NO_TSHARK, WINDOWS, posix
 from report_capture import ACCEPT, READ, SET_TRS
 from report_capture import ANSWER as READ_ANSWER
 
@@ -31,7 +31,6 @@ from sistap.annotate.explaining import WholeCapture
 from sistap.episodes.rules import Thresholds
 from sistap.explain.fields import Fields
 from sistap.records.record import Record, Type
-from sistap.terminal.advice import advice
 from sistap.wireshark.tshark import Tshark
 
 ANNOTATE = [sys.executable, "-m", "sistap", "annotate"]
@@ -114,7 +113,7 @@ def test_a_log_with_faults_ends_with_what_happened(log: Path, capfdbinary: pytes
     damaged = PHASE[:-1] + bytes([PHASE[-1] ^ 1])
     times = (f"2026-03-14 03:12:0{second}.000 " for second in range(9))
     lines = (f"{time}{data.hex(' ')}" for time, data in zip(times, (READ_PHASE, damaged), strict=False))
-    log.write_text("\n".join(lines))
+    log.write_text("\n".join(lines), newline="\n")
     assert cli.main(["annotate", str(log)]) == 0
     *told, last = capfdbinary.readouterr().out.decode().splitlines(keepends=True)
     assert told[-4] == "^-- NOT OK, 03:12:00 to 03:12:01.\n"
@@ -448,7 +447,7 @@ def test_without_tshark_or_its_plugin(tmp_path: Path, log: Path) -> None:
     with log.open("ab") as file:
         file.write(b"0" * 19)
     for name, stdin in ((log, b""), ("-", log.read_bytes())):
-        refused(run(tmp_path, name, stdin=stdin, PATH=str(tmp_path)), 1, "tshark is not on PATH", advice().tshark)
+        refused(run(tmp_path, name, stdin=stdin, PATH=str(tmp_path)), 1, *NO_TSHARK)
         refused(run(tmp_path, name, stdin=stdin, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS")
     # A capture needs neither.
     assert run(tmp_path, log, "-w", "x.pcapng", PATH=str(tmp_path)).returncode == 0

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from commands import refused, run
 from independent import records
+from portable import NO_TSHARK
 from report_capture import BUS, READ, Sent, write
 from specification import TELEGRAMS
 
@@ -95,6 +96,6 @@ def test_what_cannot_be_opened(tmp_path: Path) -> None:
     refused(run(tmp_path, "log", "nothing"), 2, "cannot read nothing")
     refused(run(tmp_path, "log", capture, "-o", "no/folder.txt"), 2, "cannot write no/folder.txt", "-o")
     refused(run(tmp_path, "log", capture, "-o", capture), 2, "is the capture itself")
-    refused(run(tmp_path, "log", capture, PATH=str(tmp_path)), 1, "tshark is not on PATH")
+    refused(run(tmp_path, "log", capture, PATH=str(tmp_path)), 1, *NO_TSHARK)
     (tmp_path / "plugins").mkdir()
     refused(run(tmp_path, "log", capture, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS")

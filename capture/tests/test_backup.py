@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from commands import refused, run
+from portable import fifos
 
 from sistap.parameters.backup import Damaged, drives
 from sistap.parameters.values import Attribute, decoded, encoded, same
@@ -69,7 +70,7 @@ def test_line_ends_of_unix(tmp_path: Path) -> None:
 
 
 @pytest.mark.attack("what is no backup of a drive: a pipe, a device, a file without an end", "refused in one line")
-@pytest.mark.parametrize("kind", ["pipe", "device", "large"])
+@pytest.mark.parametrize("kind", [pytest.param("pipe", marks=fifos), "device", "large"])
 def test_only_files_of_a_likely_size(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "x.par"
     if kind == "pipe":

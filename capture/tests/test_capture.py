@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 from independent import blocks, records
 from pcapng.blocks import EnhancedPacket, InterfaceStatistics
-from portable import SIGNALS, WINDOWS, libpcap, posix, terminals
+from portable import NO_TSHARK, SIGNALS, WINDOWS, libpcap, posix, terminals
 from specification import TELEGRAMS
 
 from sistap import cli
@@ -504,7 +504,7 @@ def test_without_w_nor_tshark_a_line_per_telegram(
     assert run(FakeReader(reads(*ALL)), "-q") == 0
     out, err = capfd.readouterr()
     assert out.count("\n") == len(ALL) and out.count("checksum ok") == len(ALL)
-    assert err.startswith("sistap: tshark is not on PATH; ") and err.count("\n") == 1
+    assert err.startswith(f"sistap: {NO_TSHARK[0]}") and err.count("\n") == 1
 
 
 def test_a_port_that_does_not_open_leaves_the_old_file(

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from imported import run
+from portable import NO_TSHARK
 from specification import TELEGRAMS
 from usb_captures import STATUS, ftdi
 
@@ -135,7 +136,7 @@ def test_without_tshark(
     host = ftdi()
     host.receive(4, 30, STATUS + COMMAND)
     assert run(host.save(tmp_path / "usb.pcap")).code == 1
-    refused(capfd, "tshark is not on PATH")
+    refused(capfd, *NO_TSHARK)
 
 
 def test_into_a_pipe(table: Path) -> None:

@@ -43,7 +43,7 @@ def configuration(tmp_path: Path) -> Path:
     copy.mkdir(parents=True)
     for name in ("colorfilters", "preferences", "no-longer-there"):
         (copy / name).write_bytes(EARLIER)
-    (copy / "recent").write_text(WIDTHS)
+    (copy / "recent").write_bytes(WIDTHS.encode())
     common = "# common\ngui.last_used_profile: SIS\nprivs.warn_if_elevated: true\n"
     (tmp_path / ".config/wireshark/recent_common").write_text(common)
     return tmp_path / ".config/wireshark"
@@ -80,7 +80,7 @@ def test_what_the_user_has_changed_stays_and_is_told(configuration: Path) -> Non
     lines = list(personal.renew(configuration))
     assert [contents(copy)[name] for name in ("colorfilters", "preferences")] == [MINE, MINE]
     assert contents(copy)["recent"].decode() == WIDTHS  # of the user's own columns
-    assert [line.split(":")[0] for line in lines if line.startswith("kept")] == [
+    assert [line.split(": ")[0] for line in lines if line.startswith("kept")] == [
         f"kept     {copy / name}" for name in ("colorfilters", "preferences")
     ]
 
@@ -89,6 +89,9 @@ def test_widths_of_the_same_columns_stay() -> None:
     of_version = OF_VERSION["recent"].decode()
     wider = of_version.replace("580", "900").replace('"%m"', "%m")
     assert profile.with_widths(wider, of_version) == wider
+    of_windows = WIDTHS.replace("\n", "\r\n")
+    assert profile.with_widths(of_windows, of_windows.replace("99", "98")) == of_windows
+    assert "99" not in profile.with_widths(of_windows, of_version)
     assert profile.with_widths("gui.zoom_level: 3\n", of_version).count("column.width") == 1
 
 

@@ -13,12 +13,11 @@ from pathlib import Path
 
 import pytest
 from commands import refused, run, run_anew
-from portable import SIGNALS, WINDOWS
+from portable import NO_TSHARK, SIGNALS, WINDOWS, posix
 from report_capture import BUS, write
 
 from sistap import cli
 from sistap.report import command
-from sistap.terminal.advice import advice
 
 TOLD = Path(__file__).parents[2] / "test-captures" / "timing-told.pcapng"
 
@@ -77,6 +76,7 @@ def test_a_title_and_a_note_stand_above(tmp_path: Path, capture: Path) -> None:
     assert text.startswith("Press <4>\n\nStops at night\nsince May\n\nNOT OK, ")
 
 
+@posix("arguments are UTF-16")
 @pytest.mark.parametrize("kind", ["html", "text"])
 def test_a_title_as_a_shell_passes_it_on(tmp_path: Path, capture: Path, kind: str) -> None:
     name = os.fsdecode(b"M\xfcller\x1b[31m")
@@ -188,9 +188,7 @@ def test_a_window_that_is_none(tmp_path: Path, capture: Path) -> None:
 
 
 def test_without_tshark_or_its_plugin(tmp_path: Path, capture: Path) -> None:
-    refused(
-        report(tmp_path, capture, "--format", "text", PATH=str(tmp_path)), 1, "tshark is not on PATH", advice().tshark
-    )
+    refused(report(tmp_path, capture, "--format", "text", PATH=str(tmp_path)), 1, *NO_TSHARK)
     (tmp_path / "plugins").mkdir()
     refused(
         report(tmp_path, capture, "--format", "text", WIRESHARK_PLUGIN_DIR="plugins"),
