@@ -9,7 +9,7 @@ import importlib
 import os
 import re
 import sys
-from collections.abc import Container, Sequence
+from collections.abc import Container, Iterable, Sequence
 from difflib import get_close_matches
 from typing import NoReturn
 
@@ -135,14 +135,18 @@ class _Parser(argparse.ArgumentParser):
         super().error(visible(message))
 
 
-def parser(called: Container[str] = COMMANDS) -> argparse.ArgumentParser:
-    """Return the parser of `sistap`. Only the commands in `called` get their options: others are not imported."""
+def parser(called: Container[str] = COMMANDS, listed: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
+    """Return the parser of `sistap`. It knows the commands `listed`, each of which takes it half a millisecond.
+
+    Only the commands in `called` get their options: others are not imported.
+    """
     whole = _Parser(
         "sistap", description=DESCRIPTION, epilog=examples(EPILOG), formatter_class=argparse.RawDescriptionHelpFormatter
     )
     whole.add_argument("--version", action="version", version=f"sistap {sistap.__version__}")
     commands = whole.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for name, (module_name, text) in COMMANDS.items():
+    for name in listed:
+        module_name, text = COMMANDS[name]
         command = commands.add_parser(name, help=text, formatter_class=argparse.RawDescriptionHelpFormatter)
         if name in called:
             module = importlib.import_module(module_name)
@@ -160,7 +164,7 @@ def _run(arguments: Sequence[str], stop: Stop) -> int:
     if called and called not in COMMANDS and (close := get_close_matches(called, COMMANDS, 1)):
         Console().say(f"there is no command '{visible(called)}': did you mean `sistap {close[0]}`?")
         return USAGE
-    args = parser({called}).parse_args(arguments)
+    args = parser({called}, [called] if arguments[0] in COMMANDS else COMMANDS).parse_args(arguments)
     try:
         with stop:
             code: int = args.run(args)

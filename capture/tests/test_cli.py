@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The command line as a whole."""
+
+from __future__ import annotations
+
+import pytest
+
+from sistap import cli
+from sistap.terminal.exits import DONE, USAGE
+
+pytestmark = pytest.mark.tap
+
+
+@pytest.fixture
+def made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of the parsers that are made."""
+    names: list[str] = []
+
+    class Parser(cli._Parser):
+        def __init__(self, prog: str, **settings: object) -> None:
+            names.append(prog)
+            super().__init__(prog, **settings)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(cli, "_Parser", Parser)
+    return names
+
+
+def test_a_command_makes_no_parsers_of_others(made: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """Each takes half a millisecond, at every start."""
+    with pytest.raises(SystemExit):
+        cli.main(["capture", "--help"])
+    assert made == ["sistap", "sistap capture"]
+    assert capsys.readouterr().out.startswith("usage: sistap capture ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"), [([], USAGE), (["--help"], DONE), (["--help", "capture"], DONE), (["no-such"], USAGE)]
+)
+def test_without_a_command_all_are_named(arguments: list[str], code: int, capsys: pytest.CaptureFixture[str]) -> None:
+    try:
+        assert cli.main(arguments) == code
+    except SystemExit as error:
+        assert error.code == code
+    said = "".join(capsys.readouterr())
+    assert all(name in said for name in cli.COMMANDS)
