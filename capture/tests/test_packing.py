@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import errno
 import gzip
 import json
 import os
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import planted
@@ -16,7 +18,7 @@ from portable import fifos, modes
 from sistap import cli
 from sistap.captures.joining import check_captures
 from sistap.captures.reading import packets
-from sistap.recorder import retention
+from sistap.recorder import packing, retention
 from sistap.recorder.packing import pack
 from sistap.wireshark.tshark import Tshark
 
@@ -35,7 +37,7 @@ def folder(tmp_path: Path, capture: Path) -> Path:
 
 
 def ring(folder: Path) -> retention.Retention:
-    return retention.ring(folder, None, lambda said: pytest.fail(said))
+    return retention.ring(folder, None, lambda said: pytest.fail(said), tuple)
 
 
 def names(folder: Path) -> list[str]:
@@ -56,7 +58,7 @@ def test_the_newest_file_of_a_ring_is_left_alone(folder: Path) -> None:
         pack(path)
     assert names(folder) == ["ring_00001_20260314220000.pcapng.gz", "ring_00002_20260314230000.pcapng"]
     assert ring(folder).complete() == []
-    retention.ring(folder, 1, lambda said: pytest.fail(said)).prune()
+    retention.ring(folder, 1, lambda said: pytest.fail(said), tuple).prune()
     assert names(folder) == ["ring_00002_20260314230000.pcapng"]
 
 
@@ -130,6 +132,27 @@ def test_a_compressed_file_that_is_damaged(folder: Path, place: int, capfd: pyte
     code = cli.main(["report", "--format", "text", str(folder)])
     said = capfd.readouterr().err
     assert code in (0, 2) and said.count("\n") == 1 and str(packed) in said
+
+
+@pytest.mark.parametrize("room", [True, False], ids=["said", "not said"])
+def test_a_disk_that_becomes_full_leaves_the_file(folder: Path, room: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether the system says before how much room there is (a quota says nothing), or not."""
+    path = folder / "ring_00001_20260314220000.pcapng"
+    before = path.read_bytes()
+    pieces = []
+
+    class Disk(gzip.GzipFile):
+        def write(self, data: Any) -> int:
+            pieces.append(data)
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(gzip, "GzipFile", Disk)
+    if room:
+        monkeypatch.setattr(packing, "disk_usage", lambda _: SimpleNamespace(free=len(before) - 1))
+    with pytest.raises(OSError, match="No space left on device"):
+        pack(path)
+    assert path.read_bytes() == before and len(names(folder)) == 2
+    assert bool(pieces) != room
 
 
 def test_a_file_that_cannot_be_compressed_stays(folder: Path) -> None:

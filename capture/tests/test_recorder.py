@@ -25,7 +25,7 @@ from sistap.episodes.live import LIVE
 from sistap.explain.relay import Entry, Judged, Seams
 from sistap.explain.running import ordinary_children
 from sistap.files import output as output_module
-from sistap.files.output import Limits, Output, OutputError
+from sistap.files.output import Limits, Output, OutputError, file_name
 from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
 from sistap.line import priority
@@ -43,6 +43,9 @@ from sistap.wireshark.tshark import Tshark
 
 SECOND = 1_000_000_000
 PATIENCE_S = 60
+FULL = pytest.mark.attack(
+    "the disk becomes full while a recorder compresses", "no part stays; the file stays, and a line says so; it goes on"
+)
 LINE = {0: Interface(252, "a line of a test")}
 
 
@@ -169,7 +172,7 @@ def test_the_oldest_go_and_other_files_stay(keep: Keep, tmp_path: Path) -> None:
 def test_files_of_an_earlier_ring_go_too(tmp_path: Path) -> None:
     for number in range(5):
         (tmp_path / f"ring_0000{9 - number}_2026010100000{number}.pcapng").write_bytes(b"x")
-    retention.ring(tmp_path, 2, lambda said: pytest.fail(said)).prune()
+    retention.ring(tmp_path, 2, lambda said: pytest.fail(said), tuple).prune()
     assert [file.name[-6:-7:-1] + file.name[-8] for file in sorted(tmp_path.iterdir())]
     assert sorted(file.name.rpartition("_")[2] for file in tmp_path.iterdir()) == [
         "20260101000003.pcapng",
@@ -183,14 +186,14 @@ def test_repeats_go_before_the_first_of_each_reason(tmp_path: Path) -> None:
     for number, name in enumerate(names):
         retention.new_name(tmp_path, number * SECOND, name).touch()
     for at_most, left in ((20, range(13)), (6, [0, 1, 9, 10, 11, 12]), (4, [0, 1, 11, 12]), (1, [12])):
-        retention.kept(tmp_path, at_most, lambda said: pytest.fail(said)).prune()
+        retention.kept(tmp_path, at_most, lambda said: pytest.fail(said), tuple).prune()
         assert [int(path.name[17:19]) for path in kept(tmp_path)] == [*left]
 
 
 def test_a_second_name_in_a_moment_is_no_reason(tmp_path: Path) -> None:
     for _ in range(3):
         retention.new_name(tmp_path, 0, "lost").touch()
-    retention.kept(tmp_path, 2, lambda said: pytest.fail(said)).prune()
+    retention.kept(tmp_path, 2, lambda said: pytest.fail(said), tuple).prune()
     assert [path.name.rpartition("_")[2] for path in kept(tmp_path)] == ["lost-2.pcapng", "lost.pcapng"]
 
 
@@ -272,6 +275,85 @@ def test_a_ring_alone_is_compressed_up_to_its_newest_file(
     assert recorder.kept == 0 and "0 files kept" in recorder.summary(Counters())
     content = [record for file in (*packed, newest) for record in list(reading.records(file))[1:]]
     assert [identity(one) for one in content if one.event != Event.TOLD_BEFORE] == list(map(identity, traffic[1:]))
+
+
+@pytest.fixture
+def clock_set_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each file of a ring has an earlier name than the one before, as when summer time ends."""
+    monkeypatch.setattr(
+        output_module, "file_name", lambda path, number, _: file_name(path, number, 1_000_000_000 - 3600 * number)
+    )
+
+
+@pytest.mark.usefixtures("clock_set_back")
+def test_the_file_that_is_written_stays_when_the_clock_is_set_back(
+    tshark: Tshark, traffic: list[Record], tmp_path: Path
+) -> None:
+    output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
+    ring = PcapngWriter(output, LINE, Counters())
+    wanted = Wanted(tmp_path, by(tshark, "nothing"), Around(SECOND, SECOND), 5, ring_files=2, compress=True)
+    recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
+    play(recorder, traffic)
+    recorder._tidy()
+    written = Path(str(output))
+    output.close()
+    (packed,) = set(tmp_path.iterdir()) - {written}
+    assert written.is_file() and packed.name.endswith(".pcapng.gz")
+
+
+def test_a_kept_file_that_is_written_stays_when_the_clock_is_set_back(tmp_path: Path) -> None:
+    for second in range(4):
+        retention.new_name(tmp_path, second * SECOND, "late").touch()
+    written = kept(tmp_path)[1].name
+    retention.kept(tmp_path, 2, lambda said: pytest.fail(said), lambda: [written]).prune()
+    assert [path.name for path in kept(tmp_path)][1] == written
+
+
+def fill(folder: Path, leaving: int) -> Path:
+    """Fill a disk up to some bytes; return the file that does it."""
+    ballast = folder / "ballast"
+    ballast.write_bytes(bytes(shutil.disk_usage(folder).free - leaving))
+    return ballast
+
+
+@FULL
+def test_a_disk_without_room_for_a_compressed_ring(tshark: Tshark, traffic: list[Record], small_disk: Path) -> None:
+    """The room that is left is the ring's. What stays as it is is said once, and compressed when there is room."""
+    said: list[str] = []
+    output = Output(str(small_disk / "ring.pcapng"), Limits(size=50_000, several=True))
+    ring = PcapngWriter(output, LINE, Counters())
+    wanted = Wanted(small_disk, by(tshark, "nothing"), Around(SECOND, SECOND), 5, compress=True)
+    recorder = Recorder(wanted, tshark, LINE, said.append, ring=ring)
+    recorder._tidy_s = float("inf")  # only when this test says so
+    play(recorder, traffic)
+    files = {path: path.read_bytes() for path in small_disk.iterdir()}
+    ballast = fill(small_disk, leaving=40_000)
+    for _ in range(2):
+        recorder._tidy()
+    assert {path: path.read_bytes() for path in small_disk.iterdir() if path != ballast} == files
+    first = min(files)
+    assert said == [f"{first} cannot be compressed: No space left on device; it stays as it is"]
+    ballast.unlink()
+    recorder._tidy()
+    assert {path.suffix for path in small_disk.iterdir() if path != Path(str(output))} == {".gz"} and len(said) == 1
+    output.close()
+
+
+@FULL
+def test_a_disk_without_room_for_compressed_kept_files(tshark: Tshark, traffic: list[Record], small_disk: Path) -> None:
+    said: list[str] = []
+    wanted = Wanted(
+        small_disk, by(tshark, "sis.checksum.status == 0"), Around(SECOND // 5, SECOND // 10), 50, compress=True
+    )
+    recorder = Recorder(wanted, tshark, LINE, said.append)
+    ballast = fill(small_disk, leaving=30_000)
+    play(recorder, traffic)
+    packed, left = sorted(small_disk.glob("*.gz")), kept(small_disk)
+    assert packed and len(left) > 1 and {*packed, *left, ballast} == set(small_disk.iterdir())
+    not_packed, not_written = said
+    assert not_packed == f"{left[0]} cannot be compressed: No space left on device; it stays as it is"
+    assert not_written.endswith(": No space left on device; everything before it is saved")
+    assert all(len(list(reading.records(file))) > 1 for file in (*packed, *left))
 
 
 def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:

@@ -91,7 +91,6 @@ class _File(PcapngWriter):
 
     def __init__(self, output: Output, interfaces: Interfaces, counters: Counters) -> None:
         super().__init__(output, interfaces, counters)
-        self._to = output
         self._written = Counters()
         self._written.errors_reported = counters.errors_reported
 
@@ -106,7 +105,7 @@ class _File(PcapngWriter):
         """Say what is in the file, not what was heard: a filter, or a full disk, keeps some of that out."""
         received, records = counters.received.total(), self._written.received.total()
         of_received = f" of {received}" if records != received else ""
-        return f"{records}{of_received} records ({self._written.text}) {self._to.written}"
+        return f"{records}{of_received} records ({self._written.text}) {self.output.written}"
 
 
 @contextmanager

@@ -15,7 +15,7 @@ import stat
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -99,6 +99,7 @@ class Output:
         self._stopped = stopped
         self._say = say
         self._number = 1
+        self._opened = path  # the newest, before it is there
         self._begun = time.monotonic()
         self._file = self._open()
         if not force and self._file.holds_data:
@@ -134,6 +135,11 @@ class Output:
     def done(self) -> bool:
         """Tell whether the last file is full."""
         return self.full and (self.failed or not self._limits.several or self._number == self._limits.files)
+
+    @property
+    def open_names(self) -> Collection[str]:
+        """Return the names, without folder, of files that are written or will be in a moment. For any thread."""
+        return {Path(self._file.path).name, Path(self._opened).name}
 
     def begin(self) -> None:
         """Begin the file; empty it if it is a regular file."""
@@ -261,7 +267,7 @@ class Output:
             return _File(self._base, self._sources, is_new=self._is_new)
         seconds = time.time()
         while True:
-            path = file_name(self._base, number, seconds)
+            path = self._opened = file_name(self._base, number, seconds)
             try:
                 return _File(path, self._sources, is_new=path != self._base)
             except FileExistsError:  # of a capture that ended a moment ago: started anew, this one must not empty it
@@ -292,17 +298,12 @@ class _File:
         self.regular = stat.S_ISREG(about.st_mode)
         self._mode = stat.S_IMODE(about.st_mode) & (mode if sources else 0o7777)
         self._poll: select.poll | None = None
-        if self.regular and path != STANDARD_OUTPUT:
-            self._lock()
-        elif sys.platform != "win32" and not self.regular:
-            self._poll = select.poll()
-            self._poll.register(self.descriptor, select.POLLOUT)
-
-    def _lock(self) -> None:
-        """Lock the file against other captures. Without locks there is no protection."""
-        if not lock(self.descriptor):
+        if self.regular and path != STANDARD_OUTPUT and not lock(self.descriptor):
             os.close(self.descriptor)
             raise OutputRefused(f"{self.path} is being written by another capture")
+        if sys.platform != "win32" and not self.regular:
+            self._poll = select.poll()
+            self._poll.register(self.descriptor, select.POLLOUT)
 
     def empty(self) -> None:
         """Remove the contents of an older capture, unless a shell appends to the file."""

@@ -105,7 +105,7 @@ class PcapngWriter:
         self, output: Output, interfaces: Mapping[int, Interface], counters: Counters, system: str | None = None
     ) -> None:
         """Describe lines and system as `Blocks` does; `counters` are for the statistics at the end of each file."""
-        self._output = output
+        self.output = output
         self._blocks = Blocks(interfaces, system)
         self._counters = counters
         self._started: tuple[Record, ...] = ()
@@ -116,8 +116,8 @@ class PcapngWriter:
     def begin(self, *started: Record) -> None:
         """Begin the file: all interfaces known so far, and the events `started`."""
         self._started = self._started or started
-        self._output.begin()
-        self._output.write(self._blocks.section())
+        self.output.begin()
+        self.output.write(self._blocks.section())
         for record in started:
             self._put(record)
 
@@ -133,13 +133,13 @@ class PcapngWriter:
         if not self._blocks.holds(record):
             return False
         if described := self._blocks.interface(record.line):
-            self._output.write(described)
-        self._output.write(self._blocks.packet(record))
+            self.output.write(described)
+        self.output.write(self._blocks.packet(record))
         return True
 
     def look(self, time_ns: int) -> None:
         """Continue with the next file if this one is full, and nothing is under way that belongs together."""
-        output, before = self._output, self._before
+        output, before = self.output, self._before
         if not output.full or output.done or not before:
             return
         if before.is_under_way(time_ns) and self._awaited < MOST_AWAITED:
@@ -160,7 +160,7 @@ class PcapngWriter:
         for line, interface in self._blocks.numbers.items():
             received, accepted = counters.received[line], counters.accepted[line]
             statistics = Statistics(started_ns, time_ns, received, accepted, counters.gaps[line])
-            self._output.write(pcapng.interface_statistics(interface, statistics))
+            self.output.write(pcapng.interface_statistics(interface, statistics))
 
     def _again(self, started: Record, time_ns: int) -> Record:
         """Begin another file with the present settings of each line."""

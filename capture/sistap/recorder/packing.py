@@ -8,10 +8,12 @@ a second each would be larger: 2 and 4 times.
 
 from __future__ import annotations
 
+import errno
 import gzip
 import os
 import time
 from pathlib import Path
+from shutil import disk_usage
 
 from sistap.terminal.writing import mode_like
 
@@ -21,7 +23,12 @@ _PAUSE_S = 0.001  # after each piece a reader can have its turn
 
 
 def pack(path: Path) -> Path:
-    """Compress a file; return its new name. May raise OSError: then it is there as it was."""
+    """Compress a file; return its new name. May raise OSError: then it is there as it was.
+
+    The disk must have room for it a second time: the last room is for what is being written.
+    """
+    if disk_usage(path.parent).free < path.stat().st_size:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     packed = path.with_name(path.name + SUFFIX)
     part = path.with_name(f".{packed.name}")
     part.unlink(missing_ok=True)  # of a recorder that was killed

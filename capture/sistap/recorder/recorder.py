@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from sistap.capture.tap import Sink
 from sistap.explain.relay import Entry, Judged, Relay, Seams
 from sistap.explain.running import Running
 from sistap.files.output import Output, OutputError, OutputRefused
 from sistap.files.pcapng import Interface
-from sistap.files.writer import Blocks
+from sistap.files.writer import Blocks, PcapngWriter
 from sistap.line import priority
 from sistap.line.settings import LineSettings
 from sistap.recorder import retention
@@ -64,7 +63,7 @@ class Recorder:
         interfaces: Mapping[int, Interface],
         say: Callable[[str], None],
         *,
-        ring: Sink | None = None,
+        ring: PcapngWriter | None = None,
         seams: Seams = Seams(),  # noqa: B008 - the default is frozen
     ) -> None:
         self._wanted = wanted
@@ -72,8 +71,11 @@ class Recorder:
         self._blocks = Blocks(interfaces)
         self._say = say
         self._ring = ring
-        self._rings = retention.ring(wanted.folder, wanted.ring_files, say) if ring else None
-        self._kept_files = retention.kept(wanted.folder, wanted.at_most, say)
+        self._newest = ""  # name of the kept file that is written, or was last
+        self._rings = (
+            retention.ring(wanted.folder, wanted.ring_files, say, lambda: ring.output.open_names) if ring else None
+        )
+        self._kept_files = retention.kept(wanted.folder, wanted.at_most, say, lambda: [self._newest])
         self._notifier = Notifier(wanted.command, say)
         self._unlimited = Unlimited(say)
         self._started: tuple[Record, ...] = ()
@@ -82,7 +84,7 @@ class Recorder:
         self._left_out = 0
         self._tidy_s = 0.0  # time of the next look
         self._trouble = ""
-        self._disk_trouble = self._untidy = ""  # already reported
+        self.disk_trouble, self._not_packed, self._untidy = _Told(say), _Told(say), _Told(say)
         self.kept = 0  # files
         self.relays = [
             Relay(partial(self._start, judge), judge.columns, say, finds=judge.finds, seams=seams)
@@ -231,6 +233,7 @@ class Recorder:
     def _begin(self, beginning: Beginning) -> File:
         time_ns = beginning.time_ns
         path = retention.new_name(self._wanted.folder, time_ns, beginning.reason)
+        self._newest = path.name
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(time_ns // 1_000_000_000))
         why = f"{KEPT}{beginning.reason} at {when}.{time_ns // 1_000_000 % 1000:03d}"
         started = [self._again(record, beginning, why) for record in self._started]
@@ -242,23 +245,25 @@ class Recorder:
         data = started.data + why.encode() if started.event == Event.CAPTURE_STARTED else started.data
         return started._replace(time_ns=beginning.first_ns, settings=settings, data=data)
 
-    def tell_disk(self, trouble: str) -> None:
-        """Report that a file cannot be written, once until one can."""
-        if trouble != self._disk_trouble:
-            self._say(trouble)
-        self._disk_trouble = trouble
-
     def complete(self, path: Path) -> None:
         """Announce a complete file."""
-        self._disk_trouble = ""
+        self.disk_trouble.end()
         self.kept += 1
         if self._wanted.compress:
-            try:
-                path = pack(path)
-            except OSError as error:
-                self.tell_disk(f"{path} cannot be compressed: {error.strerror}; it stays as it is")
+            path = self._pack(path)
+        self._newest = path.name
         self._tidy()
         self._notifier.notify(path)
+
+    def _pack(self, path: Path) -> Path:
+        """Compress a file if that is possible; return its name."""
+        try:
+            packed = pack(path)
+        except OSError as error:
+            self._not_packed.tell(path, f" cannot be compressed: {error.strerror}; it stays as it is")
+            return path
+        self._not_packed.end()
+        return packed
 
     def _tidy(self) -> None:
         self._tidy_s = time.monotonic() + _TIDY_S
@@ -268,12 +273,26 @@ class Recorder:
                     files.prune()
             if self._rings and self._wanted.compress:
                 for path in self._rings.complete():
-                    pack(path)
-            self._untidy = ""
+                    self._pack(path)
+            self._untidy.end()
         except OSError as error:
-            if error.strerror != self._untidy:
-                self._untidy = error.strerror
-                self._say(f"{self._wanted.folder}: {error.strerror}; nothing can be kept there until it is back")
+            self._untidy.tell(self._wanted.folder, f": {error.strerror}; nothing can be kept there until it is back")
+
+
+class _Told:
+    """Trouble with files that is reported once until it ends, although the next file has another name."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say = say
+        self._told = ""
+
+    def tell(self, path: Path, trouble: str) -> None:
+        if trouble != self._told:
+            self._say(f"{path}{trouble}")
+        self._told = trouble
+
+    def end(self) -> None:
+        self._told = ""
 
 
 class _File:
@@ -288,9 +307,9 @@ class _File:
             self._output = Output(str(path), is_new=True)
             self._output.begin()
         except OutputRefused as error:
-            self._recorder.tell_disk(str(error))
+            self._tell(str(error).removeprefix(str(path)))
         except FileExistsError:
-            self._recorder.tell_disk(f"{path} is there already: nobody else should write to this folder")
+            self._tell(" is there already: nobody else should write to this folder")
         self.write(beginning)
 
     def write(self, block: bytes) -> None:
@@ -299,9 +318,12 @@ class _File:
         try:
             self._output.write(block)
         except OutputError as error:
-            self._recorder.tell_disk(str(error))
+            self._tell(str(error).removeprefix(str(self._path)))
             self._output.close()
             self._output = None
+
+    def _tell(self, trouble: str) -> None:
+        self._recorder.disk_trouble.tell(self._path, trouble)
 
     def close(self, reasons: Collection[str]) -> None:
         if not self._output:

@@ -7,7 +7,7 @@ import os
 import re
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 from sistap.recorder.packing import SUFFIX
@@ -19,6 +19,7 @@ _RING_NAME = re.compile(r"ring_\d{5}_(\d{14})\.pcapng(?:\.gz)?", re.ASCII)
 
 
 Matches = Sequence[re.Match[str]]  # of the names of files, in the order of their time
+Written = Callable[[], Collection[str]]  # the names of files that are being written
 
 
 class Retention:
@@ -30,12 +31,18 @@ class Retention:
         name: re.Pattern[str],
         surplus: Callable[[Matches], Matches],
         say: Callable[[str], None],
+        written: Written,
     ) -> None:
-        """Hold the files with such a name; `surplus` chooses those that must go. The first group is their time."""
+        """Hold the files with such a name; `surplus` chooses those that must go. The first group is their time.
+
+        The files that are `written` are the newest, whatever their names say: a clock can be set back, and summer time
+        ends once a year.
+        """
         self.folder = folder
         self._name = name
         self._surplus = surplus
         self._say = say
+        self._written = written
         self._stay: set[str] = set()  # files that cannot be deleted; reported once
 
     def prune(self) -> None:
@@ -52,21 +59,23 @@ class Retention:
     def complete(self) -> list[Path]:
         """Return the files that are not compressed, except the newest: that may be written. No links, no pipes."""
         paths = [self.folder / match[0] for match in self._found()[:-1] if not match[0].endswith(SUFFIX)]
-        return [path for path in paths if path.is_file() and not path.is_symlink()]
+        written = self._written()
+        return [path for path in paths if path.name not in written and path.is_file() and not path.is_symlink()]
 
     def _found(self) -> Matches:
-        found = filter(None, (self._name.fullmatch(path.name) for path in self.folder.iterdir()))
-        return sorted(found, key=lambda match: (match[1], match[0]))
+        found = list(filter(None, (self._name.fullmatch(path.name) for path in self.folder.iterdir())))
+        written = self._written()  # asked last: what was found and is not among them is complete
+        return sorted(found, key=lambda match: (match[0] in written, match[1], match[0]))
 
 
-def kept(folder: Path, at_most: int, say: Callable[[str], None]) -> Retention:
+def kept(folder: Path, at_most: int, say: Callable[[str], None], written: Written) -> Retention:
     """Return the kept files. The first of each reason stays."""
-    return Retention(folder, _KEPT_NAME, lambda found: _repeats(found, at_most), say)
+    return Retention(folder, _KEPT_NAME, lambda found: _repeats(found, at_most), say, written)
 
 
-def ring(folder: Path, at_most: int | None, say: Callable[[str], None]) -> Retention:
+def ring(folder: Path, at_most: int | None, say: Callable[[str], None], written: Written) -> Retention:
     """Return the files of the full ring, None: all stay."""
-    return Retention(folder, _RING_NAME, lambda found: found[:-at_most] if at_most else (), say)
+    return Retention(folder, _RING_NAME, lambda found: found[:-at_most] if at_most else (), say, written)
 
 
 def _repeats(found: Matches, at_most: int) -> Matches:
