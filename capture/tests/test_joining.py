@@ -47,6 +47,16 @@ def content(path: Path) -> list[tuple[str, int]]:
     return found
 
 
+def test_a_file_that_a_recorder_deletes_meanwhile_is_told(tmp_path: Path) -> None:
+    files = [written(tmp_path / name, [(0, second)]) for second, name in enumerate("abc", 1)]
+    files[1].unlink()
+    said: list[str] = []
+    with together(files, said.append) as joined:
+        assert content(joined.path) == [("left", 1), ("left", 3)]
+        assert joined.place(2) == (files[2], 1)
+    assert said == [f"{files[1]}: only what comes before the damage: No such file or directory"]
+
+
 def test_equal_interfaces_are_one(tmp_path: Path) -> None:
     captures = [
         written(tmp_path / "a", [(0, 1), (1, 2)]),

@@ -94,6 +94,13 @@ def test_the_report_of_a_folder_reads_both(folder: Path, capsys: pytest.CaptureF
     assert told(capsys, folder) == before != []
 
 
+def test_a_file_is_compressed_after_a_folder_was_listed(folder: Path) -> None:
+    first, _ = check_captures([folder], pytest.fail)
+    before = list(packets(first))
+    pack(first)
+    assert list(packets(first)) == before
+
+
 def test_a_recorder_that_was_killed_while_it_compressed(folder: Path) -> None:
     """A part is written again. A file that was not yet removed counts once."""
     first = folder / "ring_00001_20260314220000.pcapng"
@@ -101,7 +108,7 @@ def test_a_recorder_that_was_killed_while_it_compressed(folder: Path) -> None:
     whole = first.read_bytes()
     packed = pack(first)
     first.write_bytes(whole)
-    assert check_captures([folder]) == [first, folder / "ring_00002_20260314230000.pcapng"]
+    assert check_captures([folder], pytest.fail) == [first, folder / "ring_00002_20260314230000.pcapng"]
     assert pack(first) == packed
     assert gzip.decompress(packed.read_bytes()) == whole
 

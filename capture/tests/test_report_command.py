@@ -8,12 +8,12 @@ import os
 import signal
 import subprocess
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from commands import refused, run, run_anew
-from portable import NO_TSHARK, SIGNALS, WINDOWS, posix
+from portable import NO_TSHARK, SIGNALS, WINDOWS, fifos, posix
 from report_capture import BUS, write
 
 from sistap import cli
@@ -135,6 +135,56 @@ def test_what_is_no_capture(tmp_path: Path) -> None:
         return
     os.mkfifo(tmp_path / "pipe")
     refused(report(tmp_path, "pipe"), 2, "pipe is not a file", "save the capture first")
+
+
+def classic(capture: bytes) -> bytes:
+    """Return the head of a pcap file: another program's, under the name of ours."""
+    return bytes.fromhex("d4c3b2a1 0200 0400 00000000 00000000 00000400 fc000000") + bytes(16)
+
+
+# What lies among the captures of a folder, made of a good one, and why it is left out.
+AMONG = {
+    "text": (lambda _: b"this is no capture at all, just a text\n" * 9, "is not a pcapng file"),
+    "pcap": (classic, "is not a pcapng file"),
+    "nothing": (lambda _: b"", "has no packets"),
+    "section": (lambda whole: whole[:100], "has no packets"),
+    "damaged": (lambda whole: whole[:4] + b"\x07" + whole[5:], "is damaged"),
+    "other order": (lambda whole: whole[:8] + whole[8:12][::-1] + whole[12:], "is damaged"),
+}
+
+
+@pytest.mark.parametrize(("make", "why"), AMONG.values(), ids=AMONG)
+def test_a_folder_is_judged_without_what_cannot_be_read(
+    tmp_path: Path, capture: Path, make: Callable[[bytes], bytes], why: str
+) -> None:
+    folder = tmp_path / "night"
+    folder.mkdir()
+    for name, content in (("a", capture.read_bytes()), ("b", make(capture.read_bytes()))):
+        (folder / f"{name}.pcapng").write_bytes(content)
+    alone = json.loads(report(tmp_path, folder / "a.pcapng", "--format", "json").stdout)
+    done = report(tmp_path, folder, "--format", "json")
+    assert done.returncode == 0, done.stderr
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"sistap: left out: {folder / 'b.pcapng'} {why}")
+    told = json.loads(done.stdout)
+    assert told.pop("left_out") == [line.removeprefix("sistap: ")]
+    assert told == {name: value for name, value in alone.items() if name != "left_out"}
+    page = report(tmp_path, folder, "--format", "html", "-o", "-").stdout
+    assert f"<li>left out: {folder / 'b.pcapng'} {why}" in page
+
+
+def test_a_folder_in_which_nothing_can_be_read(tmp_path: Path) -> None:
+    for name in "ab":
+        (tmp_path / f"{name}.pcapng").write_bytes(b"just a text\n" * 9)
+    refused(report(tmp_path, ".", "-o", "x.txt"), 2, "a.pcapng cannot be read with others")
+
+
+@fifos
+def test_a_pipe_in_a_folder_is_not_waited_for(tmp_path: Path, capture: Path) -> None:
+    (tmp_path / "a.pcapng").write_bytes(capture.read_bytes())
+    os.mkfifo(tmp_path / "b.pcapng")
+    done = report(tmp_path, ".", "--format", "text")
+    assert done.returncode == 0 and "left out: b.pcapng is not a file" in " ".join(done.stdout.split())
 
 
 def test_where_nothing_can_be_written(tmp_path: Path, capture: Path) -> None:

@@ -21,11 +21,12 @@ _PACKED_TIMES = 12  # as large is a capture that was compressed
 _OTHER_PACKETS = (2, 3)  # kinds of blocks that name no interface, or are obsolete
 
 
-def check_captures(named: Iterable[Path], output: str | None = None) -> list[Path]:
-    """Return all captures, those of a folder one by one. UsageError unless all can be read, twice, and none is the
-    output.
+def check_captures(named: Iterable[Path], say: Callable[[str], None], output: str | None = None) -> list[Path]:
+    """Return all captures, those of a folder one by one. Say what is left out of a folder because it cannot be read.
+
+    UsageError unless all others can be read, twice, and none is the output.
     """
-    captures = [capture for path in named for capture in (_inside(path) if path.is_dir() else [path])]
+    captures = [capture for path in named for capture in (_readable(_inside(path), say) if path.is_dir() else [path])]
     for capture in captures:
         if capture.exists() and not capture.is_file():
             raise UsageError(f"{capture} is not a file: it is read twice, so save the capture first")
@@ -48,6 +49,36 @@ def _inside(folder: Path) -> list[Path]:
     if not found:
         raise UsageError(f"{folder} has no captures: name one, or another folder")
     return found
+
+
+def _readable(captures: Sequence[Path], say: Callable[[str], None]) -> Sequence[Path]:
+    """Leave out what nobody can read together with the others. A single one, or if none can be read: all."""
+    if len(captures) == 1:
+        return captures
+    reasons = [_unreadable(capture) for capture in captures]
+    if all(reasons):
+        return captures
+    for reason in filter(None, reasons):
+        say(f"left out: {reason}")
+    return [capture for capture, reason in zip(captures, reasons, strict=True) if not reason]
+
+
+def _unreadable(capture: Path) -> str:
+    """Return why a capture cannot be read with others; empty if it can."""
+    if not capture.is_file():
+        return f"{capture} is not a file"
+    try:
+        if next(reading.packets(capture), None) is None:
+            return f"{capture} has no packets"
+        return "" if _is_joinable(capture) else _alone(capture)
+    except OSError as error:
+        return f"cannot read {capture}: {error.strerror}"
+    except NotCaptured as error:
+        return str(error)
+
+
+def _alone(capture: Path) -> str:
+    return f"{capture} cannot be read with others: open it in Wireshark and save it as pcapng"
 
 
 class _Part(NamedTuple):
@@ -120,20 +151,27 @@ class _Joining:
 
     def add(self, capture: Path, say: Callable[[str], None]) -> _Part:
         """Append the packets of a capture; report where it is damaged. Raise NotCaptured if it is foreign."""
-        if not _is_joinable(capture):
-            raise NotCaptured(f"{capture} cannot be read with others: open it in Wireshark and save it as pcapng")
         part = _Part(self._packets + 1, capture)
+        try:
+            damage = self._append(capture)
+        except OSError as error:  # also if a recorder has deleted it by now
+            damage = f"{error.strerror}"
+        if damage:
+            say(f"{capture}: only what comes before the damage: {damage}")
+        return part
+
+    def _append(self, capture: Path) -> str:
+        """Append its packets; return what is damaged."""
+        if not _is_joinable(capture):
+            raise NotCaptured(_alone(capture))
         if _is_kept(capture):
             self._has_section = False
         try:
             with reading.opened(capture) as source:
                 size = sum(self._take(block, capture) for block in reading.blocks(source, capture))
-                damage = "" if size == source.tell() else f"{capture} is cut off"
+                return "" if size == source.tell() else f"{capture} is cut off"
         except NotCaptured as error:
-            damage = str(error)
-        if damage:
-            say(f"{capture}: only what comes before the damage: {damage}")
-        return part
+            return str(error)
 
     def _take(self, block: reading.Block, capture: Path) -> int:
         """Append a block if it is a packet or new; return its size."""

@@ -96,7 +96,12 @@ def packets(path: Path) -> Iterator[Packet]:
 
 
 def opened(path: Path) -> BinaryIO:
-    """Open a capture, compressed or not. May raise OSError."""
+    """Open a capture, compressed or not. May raise OSError.
+
+    A recorder may have compressed it since somebody listed its folder.
+    """
+    if not path.exists() and (packed := path.with_name(f"{path.name}.gz")).exists():
+        path = packed
     with path.open("rb") as file:
         is_packed = file.read(2) == _PACKED
     return cast(BinaryIO, gzip.GzipFile(path)) if is_packed else path.open("rb")

@@ -72,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     """Write the comparison; return the exit code."""
     console = Console()
     try:
-        good, bad = _sides(args)
+        good, bad = (check_captures(side, console.say, args.output) for side in _sides(args))
         progress = console.progress if console.shows_progress else _silent
         with Tshark() as tshark, opened(args.output, [*good, *bad], force=args.force) as file:
             before = read(tshark, good, console.say, progress, Engine(thresholds=args.thresholds))
@@ -97,7 +97,7 @@ def _sides(args: argparse.Namespace) -> tuple[list[Path], list[Path]]:
         sides = args.good, args.bad
     else:
         raise UsageError("name two captures, good and bad; for several files of a side use --good and --bad")
-    return check_captures(sides[0], args.output), check_captures(sides[1], args.output)
+    return sides
 
 
 def _silent(text: str) -> None:

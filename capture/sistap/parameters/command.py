@@ -78,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
     """Write the list or the changes; return the exit code."""
     console = Console()
     try:
-        _check(args)
+        _check(args, console)
         if args.backup:
             _write_table(args, console)
         else:
@@ -139,9 +139,9 @@ def _check_usage(args: argparse.Namespace) -> None:
         raise NotACapture("--station is an address from 0 to 255, behind routers such as 3/2/8")
 
 
-def _check(args: argparse.Namespace) -> None:
+def _check(args: argparse.Namespace, console: Console) -> None:
     _check_usage(args)
-    args.captures = check_captures(args.captures, args.output)
+    args.captures = check_captures(args.captures, console.say, args.output)
 
 
 def _lines(args: argparse.Namespace, accesses: Iterable[Found], console: Console) -> Iterator[str]:

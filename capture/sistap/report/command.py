@@ -48,7 +48,7 @@ examples:
   sistap report day.pcapng --format text                  the tables alone, on standard output
 
 exit status:
-  0  done; also if the end of the capture is missing: the page says so
+  0  done; also if the end of a capture, or one in a folder, cannot be read: the page says so
   1  failed while running: tshark or the plugin is missing; disk full
   2  wrong usage, a CAPTURE that cannot be read or a FILE that cannot be written
 """
@@ -162,8 +162,9 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         name = _format(args)
-        args.captures = check_captures(args.captures, args.output)
-        _write(args, name, console)
+        left_out = _Noting(console)
+        args.captures = check_captures(args.captures, left_out, args.output)
+        _write(args, name, console, left_out)
     except (UsageError, NotACapture, NotCaptured, NotOpened) as error:
         console.say(str(error))
         return USAGE
@@ -184,16 +185,29 @@ def _format(args: argparse.Namespace) -> str:
     return _ENDINGS[ending]
 
 
-def _gather(args: argparse.Namespace, console: Console, *, has_windows: bool) -> Report:
+class _Noting:
+    """Says what the report does not have, and notes it: the report says it, too."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self.noted: list[str] = []
+
+    def __call__(self, text: str) -> None:
+        self._console.say(text)
+        self.noted.append(visible(text))
+
+
+def _gather(args: argparse.Namespace, console: Console, left_out: _Noting, *, has_windows: bool) -> Report:
     progress = console.progress if console.shows_progress else _silent
     limits_ms = {name: value for name, value in (("tza", args.tza), ("trs", args.trs)) if value}
     captures, since_s = in_order(args.captures), -math.inf
     if args.since:
         captures, since_s = since.recent(captures, args.since)
-    with Tshark() as tshark, together(captures, console.say) as joined:
+    with Tshark() as tshark, together(captures, left_out) as joined:
         report = gather(
             tshark, joined.path, args.window, progress, limits_ms, since_s, args.thresholds, has_windows=has_windows
         )
+    report.left_out = left_out.noted
     if len(captures) > 1:
         report.name = visible(f"{len(captures)} files, {captures[0].name} to {captures[-1].name}")
         report.files = len(captures)
@@ -208,11 +222,11 @@ def _silent(text: str) -> None:
     """Show no progress."""
 
 
-def _write(args: argparse.Namespace, name: str, console: Console) -> None:
+def _write(args: argparse.Namespace, name: str, console: Console, left_out: _Noting) -> None:
     """Open the file before the work, which may take minutes."""
     path = args.output or (f"report.{name}" if FORMATS[name].is_file else STANDARD_OUTPUT)
     with opened(path, args.captures, force=args.force) as file:
-        report = _gather(args, console, has_windows=FORMATS[name].has_windows)
+        report = _gather(args, console, left_out, has_windows=FORMATS[name].has_windows)
         file.write(FORMATS[name].write(report, args.title, args.note))
     if path != STANDARD_OUTPUT:
         console.say(f"{path} written")

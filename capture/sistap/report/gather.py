@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
@@ -37,6 +37,7 @@ class Report:
     warning: str  # what tshark said of a capture that is cut
     limits_ms: Mapping[str, int]  # tza and trs, where the person who asks tells them
     files: int = 1  # read as one
+    left_out: list[str] = field(default_factory=list)  # files, or parts of them, that could not be read
 
     @property
     def answer(self) -> list[Line]:

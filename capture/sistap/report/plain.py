@@ -67,6 +67,7 @@ def _report(report: Report) -> dict[str, Any]:
     return {
         "capture": report.name,
         "warning": report.warning,
+        "left_out": report.left_out,
         "missing_fields": report.missing,
         "answer": tables.answer(report),
         "not_judged": unjudged(report.figures),

@@ -392,6 +392,7 @@ def _remarks(report: Report) -> Iterable[tuple[str, object]]:
     figures = report.figures
     records = figures.records[FRAME] + figures.records[OTHER] + figures.records[EVENT]
     yield f"tshark could not read the capture to its end: {report.warning}", report.warning
+    yield from ((text, True) for text in report.left_out)
     yield "The capture has no packets.", not figures.packets
     yield "The capture has no SIS telegrams.", figures.packets and not figures.telegrams
     others = " and ".join(f"{count} {_framing(number)}" for number, count in sorted(figures.framings.items()))

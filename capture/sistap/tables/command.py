@@ -68,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
     """Put the captures into the tables; return the exit code."""
     console = Console()
     try:
-        _check(args)
+        _check(args, console)
         _check_pyarrow()
         _put(args, console)
     except (UsageError, NotACapture) as error:
@@ -90,8 +90,8 @@ def _put(args: argparse.Namespace, console: Console) -> None:
         put(tshark, in_order(args.captures), store, tap, args.thresholds, console)
 
 
-def _check(args: argparse.Namespace) -> None:
-    args.captures = check_captures(args.captures)
+def _check(args: argparse.Namespace, console: Console) -> None:
+    args.captures = check_captures(args.captures, console.say)
     try:
         make_folder(args.output, mode_like(args.captures))
         tempfile.TemporaryFile(dir=args.output).close()  # not after the work
