@@ -42,6 +42,13 @@ class Access(NamedTuple):
     text: str | None = None  # of the ASCII protocol, instead of data: elements of a list with ", " between
 
     @property
+    def plain(self) -> float | str | None:
+        """Return the value as a number without its unit, if it is one. None: it was refused, or is not known."""
+        if self.error or not self.value:
+            return None
+        return self.value if self.number is None else self.number
+
+    @property
     def whole(self) -> str | None:
         """Return all of the value, not to show but to compare: `value` may be cut off. None: it is not known."""
         return self.text if self.data is None else self.data

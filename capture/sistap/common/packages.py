@@ -3,16 +3,32 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 import sysconfig
 from pathlib import Path
+from typing import Any
 
 from sistap.terminal.advice import shell_word
+from sistap.terminal.stop import held
 
 # Debian's own Python takes no others from pip.
-_OF_DEBIAN = {"pyserial": "python3-serial"}
+_OF_DEBIAN = {"pyserial": "python3-serial", "paho-mqtt": "python3-paho-mqtt"}
 
 _ROOT = Path(__file__).resolve().parents[2]  # of the package sistap
+
+
+class NotInstalled(Exception):
+    """A package is missing that one option needs; the text is the line to show."""
+
+
+def needed(module: str, package: str = "") -> Any:
+    """Import a module that one option needs. NotInstalled says how to get its package."""
+    try:
+        with held():
+            return importlib.import_module(module)
+    except ImportError:
+        raise NotInstalled(missing(package or module)) from None
 
 
 def missing(package: str) -> str:

@@ -21,14 +21,15 @@ class _Values:
         self._values: list[float | str] = []
 
     def add(self, found: Found) -> None:
-        """Take an accepted access. The value is a number if it is one, without its unit."""
+        """Take an accepted access."""
         access = found.access
-        if access.error or not access.value:
+        value = access.plain
+        if value is None:
             return
         self.latest[access.parameter] = access
         self._columns.append(self._numbers.setdefault(access.parameter, len(self._numbers)))
         self._times_s.append(found.place.epoch_s)
-        self._values.append(access.value if access.number is None else access.number)
+        self._values.append(value)
 
     def lines(self) -> Iterator[str]:
         """Yield a line for each packet with values; cells of other parameters are empty."""
@@ -56,6 +57,10 @@ def lines(accesses: Iterable[Found]) -> Iterator[str]:
 
 
 def _head(access: Access, *, has_port: bool) -> str:
+    return column(access, has_port=has_port) + (f" ({access.unit})" if access.unit else "")
+
+
+def column(access: Access, *, has_port: bool) -> str:
+    """Return the name of a column."""
     port, station, device, ident = access.parameter
-    unit = f"({access.unit})" if access.unit else ""
-    return " ".join(filter(None, (port if has_port else "", f"{station} device {device}", ident, access.name, unit)))
+    return " ".join(filter(None, (port if has_port else "", f"{station} device {device}", ident, access.name)))

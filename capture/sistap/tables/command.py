@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 from sistap.captures.joining import check_captures, in_order
-from sistap.common.packages import missing
+from sistap.common.packages import NotInstalled, needed
 from sistap.common.writing import Incomplete, make_folder
 from sistap.episodes.options import add_rule
 from sistap.tables.rows import NoSuchTime
@@ -43,10 +43,6 @@ exit status:
 """
 
 
-class _NoPyarrow(Exception):
-    """pyarrow is not installed; the text is the line to show."""
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.description = DESCRIPTION
@@ -69,12 +65,12 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         _check(args, console)
-        _check_pyarrow()
+        needed("pyarrow")
         _put(args, console)
     except (UsageError, NotACapture) as error:
         console.say(str(error))
         return USAGE
-    except (_NoPyarrow, NoSuchTime, Incomplete, TsharkError) as error:
+    except (NotInstalled, NoSuchTime, Incomplete, TsharkError) as error:
         console.say(str(error))
         return FAILED
     return DONE
@@ -97,11 +93,3 @@ def _check(args: argparse.Namespace, console: Console) -> None:
         tempfile.TemporaryFile(dir=args.output).close()  # not after the work
     except OSError as error:
         raise UsageError(f"cannot write {args.output}: {error.strerror}; name another folder with -o") from None
-
-
-def _check_pyarrow() -> None:
-    try:
-        with held():
-            import pyarrow  # noqa: F401, PLC0415
-    except ImportError:
-        raise _NoPyarrow(missing("pyarrow")) from None
