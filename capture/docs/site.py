@@ -27,9 +27,9 @@ COPIED = (".md", ".png", ".gif", ".svg", ".pdf")
 # The chapters, and the pages of each in their order.
 CHAPTERS = {
     "Begin": "capture/docs/start capture/docs/wiring capture/docs/troubleshooting test-captures/pages/glossary",
-    "Record": "capture/README capture/docs/record capture/docs/wireshark capture/docs/recorder capture/docs/remote"
-    " capture/docs/analyser capture/docs/framings capture/docs/times capture/docs/line-errors capture/docs/files"
-    " capture/docs/windows capture/docs/bus",
+    "Record": "capture/README capture/docs/record capture/docs/wireshark capture/docs/recorder capture/docs/values"
+    " capture/docs/remote capture/docs/analyser capture/docs/framings capture/docs/times capture/docs/line-errors"
+    " capture/docs/files capture/docs/windows capture/docs/bus",
     "Analyse": "capture/docs/report capture/docs/analyse capture/docs/logs capture/docs/import"
     " capture/sistap/tables/README",
     "Wireshark": "plugin/README plugin/docs/filters plugin/docs/statistics plugin/docs/verdicts plugin/docs/telegrams"

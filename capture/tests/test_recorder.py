@@ -544,7 +544,7 @@ def test_the_unit_is_understood_and_confined(tmp_path: Path) -> None:
         (["--keep", "faults", "-w", "-"], 2, "a recorder needs a folder"),
         (["--keep", "faults", "-w", "file"], 2, "file is no folder"),
         (["--keep", "faults", "-w", "k", "-a", "filesize:5"], 2, "-a filesize: is for the full ring"),
-        (["--keep", "nothing", "-w", "k"], 2, "--keep nothing is for a full ring alone: add -b"),
+        (["--keep", "nothing", "-w", "k"], 2, "--keep nothing is for a full ring alone, or --values: add -b"),
         (["--keep", "nothing", "--keep", "faults", "-w", "k", "-b", "duration:5"], 2, "leave out other --keep"),
         (["-w", "k", "-b", "files:5"], 2, "-b files: does not say when a file is full"),
     ],

@@ -6,21 +6,23 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from sistap.capture.command import Once, add_end_arguments, add_line_arguments, number, options_of, refusing, started
 from sistap.capture.running import Opener
+from sistap.common.packages import NotInstalled
 from sistap.episodes.live import LIVE
 from sistap.episodes.options import add_rule
 from sistap.files.output import Output
 from sistap.files.pcapng import Interface
 from sistap.files.writer import PcapngWriter
-from sistap.recorder import retention
+from sistap.recorder import outlets, retention
 from sistap.recorder.keeper import Around
 from sistap.recorder.reasons import FAULTS, FILTERS, NOTHING
 from sistap.recorder.recorder import Recorder, Wanted
+from sistap.recorder.values import MOST, Values
 from sistap.recorder.watching import judges
 from sistap.records.counters import Counters
 from sistap.terminal.console import STANDARD_OUTPUT, Audience, Console
@@ -37,11 +39,21 @@ display filter finds. Around each, a file kept_TIME_REASON.pcapng is written int
 port.
 """
 
-EPILOG = """\
+EPILOG = f"""\
 Overlapping times share one file. A file ends --after seconds after its last reason. The recorder waits --before seconds
 more before it closes the file and starts COMMAND: a reason in that time goes into the same file. In the first hour it
 learns what is usual: steps of values, and first writes of a master, are kept from then on. FILTER is tested live: a
 command without a reaction is found at the next command (sis.unanswered_before).
+
+With --values, each value of a parameter is also sent when it is read or written. URL is one of these:
+  -                                     lines of InfluxDB's line protocol on standard output, for Telegraf
+  http://HOST:8086/write?db=NAME        the same lines to InfluxDB 1, or a program that takes its lines
+  http://HOST:8086/api/v2/write?org=ORG&bucket=NAME
+                                        to InfluxDB 2 or 3; also https://
+  mqtt://HOST/TOPIC                     JSON to a broker of MQTT, below TOPIC/STATION/DEVICE/PARAMETER; also mqtts://
+
+A password or token is in the environment variable {outlets.SECRET}, the user in the URL (mqtt://USER@HOST/TOPIC).
+If the server is away, {MOST} values wait, and the recorder tries again. It never waits for the server.
 
 `sistap capture --help` describes PORT, --baud auto, --follow-baud and capture filters.
 
@@ -55,6 +67,8 @@ examples:
                                                                also all records, in a ring of a week
   sistap record -i /dev/ttyUSB0 -w kept/ --keep nothing -b duration:3600 --compress
                                                                all records alone, compressed: 3 to 12 times smaller
+  sistap record -i /dev/ttyUSB0 -w kept/ --values mqtt://broker/press-4
+                                                               also each value, to a broker of MQTT
 
 exit status:
   0  done; also when stopped by Ctrl-C, SIGTERM, or the end of the terminal
@@ -78,7 +92,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILTER",
         help=f"keep a file around each packet that matches this display filter (default {FAULTS}). {FAULTS} is what "
         f"happens, as `sistap report` tells it, {' and '.join(FILTERS)} a ready-made filter, {NOTHING} leaves only "
-        "the full ring of -b; can be given several times",
+        "the full ring of -b, or --values; can be given several times",
     )
     add_rule(parser, LIVE)
     add(
@@ -115,6 +129,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="compress complete files (NAME.pcapng.gz, 3 to 12 times smaller); Wireshark opens them as they are",
     )
+    add(
+        "--values",
+        action=Once,
+        metavar="URL",
+        help="send each value of a parameter to InfluxDB, Telegraf or a broker of MQTT (needs paho-mqtt); see below",
+    )
     add_end_arguments(parser)
 
 
@@ -123,7 +143,7 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         return refusing(console, lambda: _record(args, console))
-    except TsharkError as error:
+    except (NotInstalled, TsharkError) as error:
         console.alarm(str(error))
         return FAILED
 
@@ -135,26 +155,32 @@ def _record(args: argparse.Namespace, console: Console) -> int:
     files = options.limits.keep
     if "filesize" in options.autostop and not options.ring:
         raise UsageError("-a filesize: is for the full ring: add -b duration:SECONDS or -b filesize:KB")
-    if NOTHING in args.keep and (len(args.keep) > 1 or not options.ring):
-        raise UsageError(f"--keep {NOTHING} is for a full ring alone: add -b duration:SECONDS, leave out other --keep")
+    if NOTHING in args.keep and (len(args.keep) > 1 or not (options.ring or args.values)):
+        alone = "is for a full ring alone, or --values: add -b duration:SECONDS, leave out other --keep"
+        raise UsageError(f"--keep {NOTHING} {alone}")
+    values = Values(outlets.outlet_of(args.values)) if args.values else None
     with Tshark() as tshark:
-        deciding = judges(tshark, args.keep or [FAULTS], args.thresholds)
+        deciding = judges(tshark, args.keep or [FAULTS], args.thresholds, values)
     _make(folder)
     around = Around(int(args.before_s * 1e9), int(args.after_s * 1e9))
     wanted = Wanted(folder, deciding, around, args.at_most, args.on_keep, files, args.compress)
     # The recorder deletes the files of the ring: it counts those of earlier runs, too.
     ring = {name: value for name, value in options.ring.items() if name != "files"}
-    return started(replace(options, ring=ring), console, _opener(wanted, has_ring=bool(ring)))
+    return started(replace(options, ring=ring), console, _opener(wanted, values, has_ring=bool(ring)))
 
 
-def _opener(wanted: Wanted, *, has_ring: bool) -> Opener:
+def _opener(wanted: Wanted, values: Values | None, *, has_ring: bool) -> Opener:
     @contextmanager
     def opened(
         interfaces: Mapping[int, Interface], output: Output, counters: Counters, console: Audience
     ) -> Iterator[Recorder]:
         ring = PcapngWriter(output, interfaces, counters) if has_ring else None
-        with Tshark() as tshark, closing(Recorder(wanted, tshark, interfaces, console.say, ring=ring)) as recorder:
-            yield recorder
+        with ExitStack() as stack:
+            if values:
+                values.start(console.say)
+                stack.callback(values.close)
+            tshark = stack.enter_context(Tshark())
+            yield stack.enter_context(closing(Recorder(wanted, tshark, interfaces, console.say, ring=ring)))
 
     return opened
 

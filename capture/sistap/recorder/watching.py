@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Keeps what happens, as `sistap report` tells it."""
+"""Keeps what happens, as `sistap report` tells it; and passes values on."""
 
 from __future__ import annotations
 
@@ -12,18 +12,20 @@ from sistap.explain.fields import Fields
 from sistap.explain.relay import Judged
 from sistap.packets.dissection import FIELDS, packet_of
 from sistap.recorder.reasons import FAULTS, NOTHING, ByFilter, Reason
+from sistap.recorder.values import Values
 from sistap.wireshark.tshark import Tshark
 
 
 class ByEpisodes:
-    """Keeps what begins or goes on."""
+    """Keeps what begins or goes on, if `keeps`; gives `values` all values of parameters."""
 
     finds = False  # tshark prints every packet
 
-    def __init__(self, tshark: Tshark, thresholds: Thresholds) -> None:
+    def __init__(self, tshark: Tshark, thresholds: Thresholds, values: Values | None, *, keeps: bool) -> None:
         """Ask tshark for its fields. TsharkError if it has no dissector for SIS."""
         self._fields = Fields(tshark, (*FIELDS, FIELD))
-        self._live = Live(thresholds)
+        self._live = Live(thresholds) if keeps else None
+        self._values = values
 
     def arguments(self, _: bytes | None) -> Sequence[str]:
         """Return the arguments for tshark."""
@@ -35,24 +37,30 @@ class ByEpisodes:
 
     def reason(self, judged: Judged) -> Reason | None:
         """Return why a packet is kept; None: it is not."""
-        if judged.is_unjudged:
+        if judged.is_unjudged and self._live:
             self._live.skip()
-        return _worst(self._live.add(packet_of(judged.columns))) if judged.columns else None
+        if not judged.columns:
+            return None
+        packet = packet_of(judged.columns)
+        if self._values:
+            self._values.put(judged.entry.time_ns, packet.accesses)
+        return _worst(self._live.add(packet)) if self._live else None
 
     def silent(self, now_ns: int) -> Reason | None:
         """Return why the silence is kept that lasts."""
-        return _worst(self._live.silent(now_ns / 1e9))
+        return _worst(self._live.silent(now_ns / 1e9)) if self._live else None
 
 
 Judge = ByEpisodes | ByFilter
 
 
-def judges(tshark: Tshark, keep: Sequence[str], thresholds: Thresholds) -> list[Judge]:
-    """Return who decides: one for each value of --keep. UsageError; TsharkError without a dissector for SIS."""
-    if NOTHING in keep:
-        return []
-    watching: list[Judge] = [ByEpisodes(tshark, thresholds)] if FAULTS in keep else []
-    return watching + [ByFilter(tshark, one) for one in dict.fromkeys(keep) if one != FAULTS]
+def judges(tshark: Tshark, keep: Sequence[str], thresholds: Thresholds, values: Values | None = None) -> list[Judge]:
+    """Return who decides: one for each value of --keep; and who gives `values` all values. UsageError; TsharkError
+    without a dissector for SIS.
+    """
+    keeps = FAULTS in keep
+    watching: list[Judge] = [ByEpisodes(tshark, thresholds, values, keeps=keeps)] if keeps or values else []
+    return watching + [ByFilter(tshark, one) for one in dict.fromkeys(keep) if one not in (FAULTS, NOTHING)]
 
 
 def _worst(hits: Sequence[Hit]) -> Reason | None:
