@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include <ws_version.h>
+#include <epan/epan.h>
 #include <epan/packet.h>
 #include <wiretap/wtap.h>    /* wtap_rec: from 4.2 on packet.h no longer includes it */
 #include <epan/tfs.h>        /* true_false_string: from 4.6 on packet.h no longer includes it */
@@ -117,6 +118,19 @@ static inline uint32_t
 compat_section(const packet_info *pinfo)
 {
     return pinfo->rec->presence_flags & WTAP_HAS_SECTION_NUMBER ? pinfo->rec->section_number : 0;
+}
+
+/* Its name; NULL if it has none. */
+static inline const char *
+compat_interface_name(const packet_info *pinfo)
+{
+    if (!(pinfo->rec->presence_flags & WTAP_HAS_INTERFACE_ID))
+        return NULL;
+#if WIRESHARK_AT_LEAST(4, 2)
+    return epan_get_interface_name(pinfo->epan, compat_interface(pinfo), compat_section(pinfo));
+#else
+    return epan_get_interface_name(pinfo->epan, compat_interface(pinfo));
+#endif
 }
 
 #endif

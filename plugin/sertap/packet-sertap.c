@@ -202,7 +202,7 @@ add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_
     unsigned data_at = record->data_offset + at, time_at = record->times_offset + 4 * at;
     unsigned flags_at = record->flags_offset + at;
     uint8_t value = compat_get_uint8(tvb, data_at), flag = compat_get_uint8(tvb, flags_at);
-    int64_t interval = at == 0 ? record->silence : tvb_get_ntohl(tvb, time_at);
+    int64_t interval = sertap_interval(record, at);
     bool is_known = at == 0 ? record->is_silence_known : !(flag & SERTAP_INTERVAL_SATURATED);
     nstime_t since = sertap_time(interval);
     const char *text = flag & SERTAP_INTERVAL_UNKNOWN ? NULL : interval_text(pinfo, interval, is_known);
@@ -237,9 +237,9 @@ add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sert
 }
 
 /* Whether the characters are displayed or filtered. Usually a large file needs neither, and a record has
- * five items for each character. */
+ * five items for each character. Flags that no character has are no reason. */
 static bool
-are_characters_wanted(proto_tree *tree)
+are_characters_wanted(proto_tree *tree, const sertap_record_t *record)
 {
     static int *const fields[] = {&hf_sertap_character, &hf_sertap_interval, &hf_sertap_flags};
 
@@ -248,7 +248,7 @@ are_characters_wanted(proto_tree *tree)
             return true;
     }
     for (unsigned i = 0; i < array_length(flags); i++) {
-        if (proto_field_is_referenced(tree, *flags[i].hf))
+        if (record->flags & flags[i].flag && proto_field_is_referenced(tree, *flags[i].hf))
             return true;
     }
     return false;
@@ -262,7 +262,7 @@ add_characters(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap
 
     if (record->interval_max_at > 0)
         add_interval_max(tree, pinfo, tvb, record);
-    if (!are_characters_wanted(tree))
+    if (!are_characters_wanted(tree, record))
         return;
     subtree =
         proto_tree_add_subtree_format(tree, tvb, record->data_offset, length, ett_sertap_characters, NULL,

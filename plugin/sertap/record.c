@@ -26,6 +26,12 @@ sertap_index(const sertap_record_t *record, tvbuff_t *part)
 }
 
 int64_t
+sertap_interval(const sertap_record_t *record, unsigned at)
+{
+    return at == 0 ? record->silence : tvb_get_ntohl(record->tvb, (int)(record->times_offset + 4 * at));
+}
+
+int64_t
 sertap_character_ns(const sertap_record_t *record)
 {
     int64_t half_bits = 2 + 2 * record->data_bits + (record->parity != 0 ? 2 : 0) + record->stop_half_bits;

@@ -49,6 +49,10 @@ const sertap_record_t *sertap_record(packet_info *pinfo);
 /* The index of the first character of the record in `part`, a subset of its payload. */
 unsigned sertap_index(const sertap_record_t *record, tvbuff_t *part);
 
+/* The interval before a character of the record, from 0, in ns. Before the first one it is the silence of the
+ * line. */
+int64_t sertap_interval(const sertap_record_t *record, unsigned at);
+
 /* The duration of a character, including start and stop bits; 0 if the rate is unknown. */
 int64_t sertap_character_ns(const sertap_record_t *record);
 

@@ -10,21 +10,34 @@
 #include <epan/print.h>
 #include <epan/stat_tap_ui.h>
 #include <epan/tap.h>
+#include <epan/to_str.h>
+
+#include "sertap/record.h"
 
 #define NAME  "sis,rows"
 #define JOINT '\x1f' /* between several values of a field */
 
+/* Appends the values that a field has in a packet. */
+typedef void (*say_t)(GString *text, packet_info *pinfo);
+
 typedef struct {
-    GHashTable *columns; /* by field: the number of its column, from 1 */
-    GPtrArray *texts;    /* GString of each column, of the present packet */
-    GString *row;
+    say_t say;     /* NULL: its values come from the tree */
+    GString *text; /* of the present packet */
+} column_t;
+
+typedef struct {
+    GHashTable *columns; /* by field, of those that come from the tree */
+    GPtrArray *row;      /* all of them */
     epan_dissect_t *packet;
 } rows_t;
 
 static void
-free_text(void *text)
+free_column(void *data)
 {
-    g_string_free(text, TRUE);
+    column_t *column = data;
+
+    g_string_free(column->text, TRUE);
+    g_free(column);
 }
 
 static void
@@ -33,8 +46,7 @@ free_rows(void *data)
     rows_t *rows = data;
 
     g_hash_table_destroy(rows->columns);
-    g_ptr_array_free(rows->texts, TRUE);
-    g_string_free(rows->row, TRUE);
+    g_ptr_array_free(rows->row, TRUE);
     g_free(rows);
 }
 
@@ -44,8 +56,7 @@ new_rows(void)
     rows_t *rows = g_new0(rows_t, 1);
 
     rows->columns = g_hash_table_new(NULL, NULL);
-    rows->texts = g_ptr_array_new_with_free_func(free_text);
-    rows->row = g_string_new(NULL);
+    rows->row = g_ptr_array_new_with_free_func(free_column);
     return rows;
 }
 
@@ -61,12 +72,18 @@ append_control(GString *text, char control)
         g_string_append_printf(text, "\\x%02zx", code);
 }
 
+static void
+append_joint(GString *text)
+{
+    if (text->len > 0)
+        g_string_append_c(text, JOINT);
+}
+
 /* No text of a capture ends a value, a column or a row. */
 static void
 append_value(GString *text, const char *value)
 {
-    if (text->len > 0)
-        g_string_append_c(text, JOINT);
+    append_joint(text);
     while (*value != '\0') {
         const char *end = value;
 
@@ -80,18 +97,97 @@ append_value(GString *text, const char *value)
 }
 
 static void
+say_number(GString *text, packet_info *pinfo)
+{
+    g_string_append_printf(text, "%u", pinfo->num);
+}
+
+static void
+say_time(GString *text, packet_info *pinfo, const nstime_t *time)
+{
+    if (pinfo->presence_flags & PINFO_HAS_TS)
+        g_string_append(text, rel_time_to_secs_str(pinfo->pool, time));
+}
+
+static void
+say_epoch(GString *text, packet_info *pinfo)
+{
+    say_time(text, pinfo, &pinfo->abs_ts);
+}
+
+static void
+say_relative(GString *text, packet_info *pinfo)
+{
+    say_time(text, pinfo, &pinfo->rel_ts);
+}
+
+static void
+say_interface(GString *text, packet_info *pinfo)
+{
+    const char *name = compat_interface_name(pinfo);
+
+    if (name != NULL)
+        append_value(text, name);
+}
+
+static void
+say_characters(GString *text, packet_info *pinfo)
+{
+    const sertap_record_t *record = sertap_record(pinfo);
+
+    for (unsigned i = 0; record != NULL && i < record->timed; i++) {
+        append_joint(text);
+        g_string_append_printf(text, "0x%02x", compat_get_uint8(record->tvb, record->data_offset + i));
+    }
+}
+
+static void
+say_intervals(GString *text, packet_info *pinfo)
+{
+    const sertap_record_t *record = sertap_record(pinfo);
+
+    for (unsigned i = 0; record != NULL && i < record->timed; i++) {
+        if (compat_get_uint8(record->tvb, record->flags_offset + i) & SERTAP_INTERVAL_UNKNOWN)
+            continue;
+        append_joint(text);
+        g_string_append(text, sertap_decimal_text(pinfo->pool, sertap_interval(record, i), 1, 9));
+    }
+}
+
+/* Fields that need no tree. For the others of the packet and of its characters, Wireshark would make many
+ * items. */
+static const struct {
+    const char *name;
+    say_t say;
+} plain[] = {
+    {"frame.number", say_number},          {"frame.time_epoch", say_epoch},
+    {"frame.time_relative", say_relative}, {"frame.interface_name", say_interface},
+    {"sertap.character", say_characters},  {"sertap.interval", say_intervals},
+};
+
+static say_t
+find_plain(const char *name)
+{
+    for (unsigned i = 0; i < array_length(plain); i++) {
+        if (strcmp(plain[i].name, name) == 0)
+            return plain[i].say;
+    }
+    return NULL;
+}
+
+static void
 add_values(proto_node *node, void *data)
 {
     rows_t *rows = data;
     field_info *field = PNODE_FINFO(node);
-    unsigned column = 0;
+    column_t *column = NULL;
 
     if (field != NULL)
-        column = GPOINTER_TO_UINT(g_hash_table_lookup(rows->columns, GINT_TO_POINTER(field->hfinfo->id)));
-    if (column > 0) {
+        column = g_hash_table_lookup(rows->columns, GINT_TO_POINTER(field->hfinfo->id));
+    if (column != NULL) {
         char *value = get_node_field_value(field, rows->packet);
 
-        append_value(g_ptr_array_index(rows->texts, column - 1), value);
+        append_value(column->text, value);
         g_free(value);
     }
     proto_tree_children_foreach(node, add_values, rows);
@@ -101,54 +197,71 @@ add_values(proto_node *node, void *data)
 static void
 write_row(rows_t *rows)
 {
-    g_string_truncate(rows->row, 0);
-    for (unsigned i = 0; i < rows->texts->len; i++) {
-        GString *text = g_ptr_array_index(rows->texts, i);
+    for (unsigned i = 0; i < rows->row->len; i++) {
+        GString *text = ((column_t *)g_ptr_array_index(rows->row, i))->text;
 
         if (i > 0)
-            g_string_append_c(rows->row, '\t');
-        g_string_append_len(rows->row, text->str, (gssize)text->len);
+            putc('\t', stdout);
+        fwrite(text->str, 1, text->len, stdout);
         g_string_truncate(text, 0);
     }
-    g_string_append_c(rows->row, '\n');
-    fwrite(rows->row->str, 1, rows->row->len, stdout);
+    putc('\n', stdout);
 }
 
 static tap_packet_status
-packet(void *data, packet_info *pinfo _U_, epan_dissect_t *edt, const void *tapped _U_, tap_flags_t flags _U_)
+packet(void *data, packet_info *pinfo, epan_dissect_t *edt, const void *tapped _U_, tap_flags_t flags _U_)
 {
     rows_t *rows = data;
 
     rows->packet = edt;
     proto_tree_children_foreach(edt->tree, add_values, rows);
+    for (unsigned i = 0; i < rows->row->len; i++) {
+        column_t *column = g_ptr_array_index(rows->row, i);
+
+        if (column->say != NULL)
+            column->say(column->text, pinfo);
+    }
     write_row(rows);
     return TAP_PACKET_DONT_REDRAW;
+}
+
+/* The filter holds for every packet. It names the fields that the tree must have, so that they are made. */
+static void
+want(GString *filter, const char *name)
+{
+    if (filter->len == 0)
+        g_string_printf(filter, "!%s", name);
+    g_string_append_printf(filter, " || %s", name);
 }
 
 static void
 add_column(rows_t *rows, const char *name, GString *filter)
 {
     const header_field_info *field = proto_registrar_get_byname(name);
+    column_t *column;
 
     if (field == NULL)
         return;
-    g_ptr_array_add(rows->texts, g_string_new(name));
-    g_hash_table_insert(rows->columns, GINT_TO_POINTER(field->id), GUINT_TO_POINTER(rows->texts->len));
-    g_string_append_printf(filter, " || %s", name);
+    column = g_new(column_t, 1);
+    *column = (column_t){find_plain(name), g_string_new(name)};
+    g_ptr_array_add(rows->row, column);
+    if (column->say != NULL)
+        return;
+    g_hash_table_insert(rows->columns, GINT_TO_POINTER(field->id), column);
+    want(filter, name);
 }
 
-/* The filter holds for every packet. It names all fields, so that they are made. */
 static void
 listen(rows_t *rows, char *const *names)
 {
-    GString *filter = g_string_new("frame");
+    GString *filter = g_string_new(NULL);
     GString *error;
 
     for (; *names != NULL; names++)
         add_column(rows, *names, filter);
     write_row(rows);
-    error = register_tap_listener("frame", rows, filter->str, TL_REQUIRES_PROTO_TREE, NULL, packet, NULL,
-                                  free_rows);
+    error = register_tap_listener("frame", rows, filter->len > 0 ? filter->str : NULL, TL_REQUIRES_PROTO_TREE,
+                                  NULL, packet, NULL, free_rows);
     g_string_free(filter, TRUE);
     if (error == NULL)
         return;
