@@ -2037,6 +2037,7 @@ expert_field("synax.note", "PROTOCOL", "NOTE", "Content that the documents do no
 expert_field("synax.short", "PROTOCOL", "WARN", "Bytes are missing")
 expert_field("synax.unexpected", "PROTOCOL", "WARN", "More bytes than expected")
 expert_field("synax.error", "RESPONSE_CODE", "NOTE", "The answer reports an error")
+expert_field("synax.failed", "RESPONSE_CODE", "WARN", "The fieldbus has failed")
 expert_field("synax.unanswered", "SEQUENCE", "NOTE", "No answer before the next request")
 expert_field("synax.unanswered_before", "SEQUENCE", "NOTE", "A request before this one got no answer")
 expert_field("synax.pieces.too_many", "SEQUENCE", "NOTE", "More than 8192 pieces: they are not joined")
@@ -10093,7 +10094,7 @@ do
     elseif index == DIAGNOSIS_FIELDBUS and low ~= 0 then
       add_expert(item or d.root, EX.synax_error, strformat("Fault of the fieldbus: 0x%02x", low))
     elseif index == STATUS_FIELDBUS and band(word, NO_BUS_FAILURE) == 0 then
-      add_expert(item or d.root, EX.synax_error, "The fieldbus has failed")
+      add_expert(item or d.root, EX.synax_failed)
     end
   end
 

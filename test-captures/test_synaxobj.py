@@ -17,7 +17,7 @@ FIELDS = (
     "synaxobj.open_bit synaxobj.diagnosis.interface synaxobj.diagnosis.fault synaxobj.status.bus "
     "synaxobj.status.memory synaxobj.fault.process_data synaxobj.fault.communication sis.service"
 )
-EXPERTS = "synax.note synax.short synax.unexpected synax.error synax.unanswered"
+EXPERTS = "synax.note synax.short synax.unexpected synax.error synax.failed synax.unanswered"
 
 WRITE, READ, ASK = "synaxobj.operation=1", "synaxobj.operation=0", "synaxobj.operation=2"
 WRITTEN = "synaxobj.operation=3"
@@ -74,7 +74,7 @@ OBJECTS: Table = {
     27: of(
         "5ff2",
         READ,
-        "synaxobj.open_bit=0,15; synaxobj.status.bus=0; synaxobj.status.memory=1; synax.note; synax.error",
+        "synaxobj.open_bit=0,15; synaxobj.status.bus=0; synaxobj.status.memory=1; synax.note; synax.failed",
     ),
     # All bits open; a byte less and a byte more
     28: of("5ff5", READ, "synaxobj.open_bit=0,4; synax.note"),

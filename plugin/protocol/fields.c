@@ -473,6 +473,7 @@ expert_field ei_synax_note = EI_INIT;
 expert_field ei_synax_short = EI_INIT;
 expert_field ei_synax_unexpected = EI_INIT;
 expert_field ei_synax_error = EI_INIT;
+expert_field ei_synax_failed = EI_INIT;
 expert_field ei_synax_unanswered = EI_INIT;
 expert_field ei_synax_unanswered_before = EI_INIT;
 expert_field ei_synax_pieces_too_many = EI_INIT;
@@ -912,6 +913,7 @@ protocol_register_synax(void)
         {&ei_synax_short, {"synax.short", PI_PROTOCOL, PI_WARN, "Bytes are missing", EXPFILL}},
         {&ei_synax_unexpected, {"synax.unexpected", PI_PROTOCOL, PI_WARN, "More bytes than expected", EXPFILL}},
         {&ei_synax_error, {"synax.error", PI_RESPONSE_CODE, PI_NOTE, "The answer reports an error", EXPFILL}},
+        {&ei_synax_failed, {"synax.failed", PI_RESPONSE_CODE, PI_WARN, "The fieldbus has failed", EXPFILL}},
         {&ei_synax_unanswered, {"synax.unanswered", PI_SEQUENCE, PI_NOTE, "No answer before the next request", EXPFILL}},
         {&ei_synax_unanswered_before, {"synax.unanswered_before", PI_SEQUENCE, PI_NOTE, "A request before this one got no answer", EXPFILL}},
         {&ei_synax_pieces_too_many, {"synax.pieces.too_many", PI_SEQUENCE, PI_NOTE, "More than 8192 pieces: they are not joined", EXPFILL}},
@@ -921,6 +923,7 @@ protocol_register_synax(void)
         "The data end before all fields are there. Compare the telegram with its layout.",
         "Bytes follow that the telegram does not have. Compare the telegram with its layout.",
         "The partner could not do what it was asked for. Read the error number.",
+        "Bit 3 of object 5FF2 is 0: the control has lost its fieldbus. Check the plugs, the cable and the master of the fieldbus. Object 5FF0 has a code for its fault.",
         "The next request came before an answer. Look whether the partner runs, and how long its answers take at other times.",
         "The request before this one got no answer. Look whether the partner runs, and how long its answers take at other times.",
         "The transfer is longer than any that the documents allow. Look at the pieces one by one.",

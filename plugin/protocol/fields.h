@@ -420,6 +420,7 @@ extern expert_field ei_synax_note;
 extern expert_field ei_synax_short;
 extern expert_field ei_synax_unexpected;
 extern expert_field ei_synax_error;
+extern expert_field ei_synax_failed;
 extern expert_field ei_synax_unanswered;
 extern expert_field ei_synax_unanswered_before;
 extern expert_field ei_synax_pieces_too_many;

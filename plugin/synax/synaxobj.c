@@ -251,7 +251,7 @@ report_fault(const dissection_t *d, proto_item *item, uint16_t word)
     else if (d->access->number == SYNAXOBJ_DIAGNOSIS_FIELDBUS && (word & 0xFF) != 0)
         expert_add_info_format(d->pinfo, item, &ei_synax_error, "Fault of the fieldbus: 0x%02x", word & 0xFF);
     else if (d->access->number == SYNAXOBJ_STATUS_FIELDBUS && (word & SYNAXOBJ_STATUS_BUS) == 0)
-        expert_add_info_format(d->pinfo, item, &ei_synax_error, "The fieldbus has failed");
+        expert_add_info(d->pinfo, item, &ei_synax_failed);
 }
 
 /* High byte first, as PCP has its words. */
