@@ -25,11 +25,13 @@ from sistap.episodes.episode import PACKETS, Episode, Hit
 from sistap.episodes.levels import Levels
 from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Subject
 from sistap.episodes.silence import BusSilence
+from sistap.episodes.states import Rate
 from sistap.episodes.trend import trend
 from sistap.episodes.values import Values
 from sistap.packets.dissection import Packet, Telegram
+from sistap.records.record import Event
 from sistap.terminal.exits import USAGE
-from sistap.wireshark.rows import FRAME
+from sistap.wireshark.rows import EVENT, FRAME
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 
@@ -196,6 +198,31 @@ def test_the_filter_of_a_silence_finds_all_of_it() -> None:
     )
     assert Episode.of(Hit("silent", 7, 100.0, 100.5, 4)).filter == "frame.number in {7}"
     assert Episode.of(Hit("bus_silent", 7, 100.0, 190.0)).filter == "frame.number in {7}"  # no packet is in it
+
+
+def test_values_in_the_next_file_of_a_recorder_are_no_step() -> None:
+    """The command was written between the two files, and is in neither."""
+    values, now_s = Values(), itertools.count(0, 10)
+
+    def say(ident: str, value: float) -> None:
+        parameter = Parameter("", "3", 7, ident)
+        access = Access(parameter, ident == "S-0-0036", 16, "", f"{value} rpm", value, None, "", "rpm", "", "")
+        values.add(replace(packet(next(now_s)), accesses=[access]))
+
+    for commands in ([1000.0], [], [1200.0]):  # each in a file
+        values.add(replace(packet(next(now_s)), type=EVENT, event=Event.CAPTURE_STARTED, text="a tap; kept: late"))
+        for command in commands:
+            say("S-0-0036", command)
+        for value in scattered(1, 60, *(commands or [1100.0])):
+            say("S-0-0040", value)
+    assert list(values.finish()) == []
+
+
+def test_what_a_file_begins_with_again_has_no_rate() -> None:
+    rate = Rate()
+    said = [replace(packet(second), baud=baud) for second, baud in enumerate((19200, 9600, 19200, 9600))]
+    said[1] = replace(said[1], type=EVENT, event=Event.CAPTURE_STARTED, is_again=True)
+    assert [hit.from_s for one in said for hit in rate.add(one)] == [3]
 
 
 @pytest.mark.parametrize(("longest_s", "count"), [("299", 1), ("301", 0)])

@@ -136,6 +136,26 @@ def test_each_file_has_its_window_and_each_record_once(
         assert b"; kept: sis.checksum.status-0 at " in started[1]
 
 
+def test_a_file_begins_with_the_rate_of_its_first_telegram(
+    tshark: Tshark, tmp_path: Path, traffic: list[Record]
+) -> None:
+    """The rate changes before the reason, and the file begins before that."""
+    filter_ = "sis.checksum.status == 0"
+    fast = traffic[0].settings._replace(baud=19200)
+    found = numbers(tshark, traffic, filter_, tmp_path / "all.pcapng")
+    reason = next(number for number in found if number > 40)
+    changing = [record._replace(settings=fast) if number < reason else record for number, record in enumerate(traffic)]
+    changing[0] = traffic[0]  # how the capture began
+    around = Around(2 * SECOND // 10, SECOND // 10)
+    wanted = Wanted(tmp_path, by(tshark, filter_), around, 100)
+    play(Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said)), changing)
+    files = [list(reading.records(file)) for file in kept(tmp_path)]
+    begins = [record for file in files for record in file if record.time_ns == changing[reason].time_ns]
+    assert begins, "the reason is in a file"
+    for file in files:
+        assert file[0].settings == next(record.settings for record in file if record.type != Type.EVENT)
+
+
 @pytest.mark.thorough
 def test_a_file_stands_alone(keep: Keep, tmp_path: Path) -> None:
     keep("sis.checksum.status == 0")

@@ -61,7 +61,9 @@ class Rate:
         self._baud: int = before._baud if before else 0
 
     def add(self, packet: Packet) -> Iterable[Hit]:
-        """Return a change."""
+        """Return a change. What a file begins with again may be older."""
+        if packet.is_again:
+            return ()
         before, self._baud = self._baud, packet.baud or self._baud
         if before in (0, self._baud):
             return ()

@@ -60,6 +60,8 @@ class Values:
     def add(self, packet: Packet) -> Sequence[Parameter]:
         """Take the values in a packet; return the parameters of which a state begins, or a level lasts."""
         begun: list[Parameter] = []
+        if packet.is_kept_apart:
+            self._lose_commands(packet.interface)
         for telegram in packet.telegrams:
             if telegram.unanswered and telegram.good and passes(WRITE.tests, telegram.columns):
                 self._lose_command(packet.interface, telegram)
@@ -108,6 +110,11 @@ class Values:
                         followed.levels = self._levels()
                     followed.command, followed.is_command_lost = access.number, False
                     followed.levels.scale = max(followed.levels.scale, abs(access.number))
+
+    def _lose_commands(self, port: str) -> None:
+        """Forget commands: nobody has heard the last ones."""
+        for parameter, followed in self._followed.items():
+            followed.is_command_lost |= parameter.port == port and followed.command is not None
 
     def _lose_command(self, port: str, telegram: Telegram) -> None:
         for parameter, followed in self._followed.items():

@@ -20,7 +20,6 @@ from sistap.files.output import Output, OutputError, OutputRefused
 from sistap.files.pcapng import Interface
 from sistap.files.writer import Blocks, PcapngWriter
 from sistap.line import priority
-from sistap.line.settings import LineSettings
 from sistap.recorder import retention
 from sistap.recorder.keeper import Around, Beginning, File, Keeper
 from sistap.recorder.notifier import Notifier
@@ -79,7 +78,6 @@ class Recorder:
         self._notifier = Notifier(wanted.command, say)
         self._unlimited = Unlimited(say)
         self._started: tuple[Record, ...] = ()
-        self._settings: dict[int, LineSettings] = {}  # for each line, of its last record
         self._queue: queue.SimpleQueue[Entry | int | None] = queue.SimpleQueue()  # an int: nothing came until then
         self._left_out = 0
         self._tidy_s = 0.0  # time of the next look
@@ -119,7 +117,6 @@ class Recorder:
         """Take a record."""
         if self._ring:
             self._ring.write(record)
-        self._settings[record.line] = record.settings
         self._check()
         if self._trouble:
             return True
@@ -241,7 +238,7 @@ class Recorder:
         return _File(self, path, time_ns, beginning.heading + packets)
 
     def _again(self, started: Record, beginning: Beginning, why: str) -> Record:
-        settings = self._settings.get(started.line, started.settings)
+        settings = beginning.known[-1].settings if beginning.known else started.settings
         data = started.data + why.encode() if started.event == Event.CAPTURE_STARTED else started.data
         return started._replace(time_ns=beginning.first_ns, settings=settings, data=data)
 
