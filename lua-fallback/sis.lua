@@ -5232,6 +5232,13 @@ do
     return frame and set_generated(add(tree, which, tvb, 0, 0, frame))
   end
 
+  -- A duration as "12.345 ms". A clock that is set back makes none.
+  function S.add_ms(tree, which, tvb, ns, sign)
+    if tree and ns >= 0 then
+      set_generated(add_value(tree, which, tvb, 0, 0, nstime(ns), (sign or "") .. T.ms_text(ns)))
+    end
+  end
+
   -- A time as a number of ms, rounded to three digits, for a column of the packet list. Hidden: the tree has the time
   -- already.
   function S.add_column_ms(tree, which, tvb, ns)
@@ -5276,10 +5283,9 @@ do
       add_expert(root, E.reaction_again)
     elseif record.reaction_time and not S.is_measured(record.reaction_time, body.telegram.times) then
       append_text(command, strformat(", %s: the reaction time is not known",
-        record.reaction_time == 0 and "in the same read" or "which ended later by the clock"))
+        record.reaction_time == 0 and "in the same read" or "whose end has a later time"))
     elseif record.reaction_time and tree then
-      set_generated(add_value(tree, F.reaction_time, tvb, 0, 0, nstime(record.reaction_time),
-        T.ms_text(record.reaction_time)))
+      S.add_ms(tree, F.reaction_time, tvb, record.reaction_time)
       S.add_column_ms(tree, F.reaction_time_ms, tvb, record.reaction_time)
     end
   end
@@ -6746,6 +6752,7 @@ end
 -- uncertainty was too small. Neighbouring reads bound each other in the same way.
 
 K.ANY_TIME = math.huge -- the most, where there is no bound
+K.SET_BACK = -math.huge -- the least of a duration during which the clock was set back
 
 do
   local interval_of, flags_of = T.interval_of, T.flags_of
@@ -6970,21 +6977,26 @@ do
       and max(T.longest(record), shortest_character(record)) + record.uncertainty <= limit
   end
 
-  -- Whether a duration up to this telegram was measured: in a read of the tap all characters have its time, and a
-  -- clock that was set back measures nothing.
+  -- Whether a duration up to this telegram was measured: in a read of the tap all characters have its time, and a clock
+  -- that was set back measures nothing.
   function S.is_measured(elapsed, times)
-    return elapsed > 0 or (elapsed == 0 and not times.record)
+    return elapsed > 0 or elapsed == 0 and not times.record
+  end
+
+  -- Of a duration. After a clock was set back it is not known.
+  function S.span(least, most)
+    if most < 0 then return {least = K.SET_BACK, most = K.ANY_TIME} end
+    return {least = least, most = most}
   end
 
   -- From the end of one telegram to the beginning of another.
   function S.span_between(end_earliest, end_, after)
-    return {least = T.elapsed(end_, after.begin_earliest), most = T.elapsed(end_earliest, after.begin_latest)}
+    return S.span(T.elapsed(end_, after.begin_earliest), T.elapsed(end_earliest, after.begin_latest))
   end
 
   -- exceeded, ok or unresolved (see plugin/docs/verdicts.md); the limit in ns.
   function S.judge(span, limit)
     if span.least > limit then return K.TIME_EXCEEDED end
-    if span.most < 0 then return K.TIME_UNRESOLVED end -- the clock was set back
     return span.most <= limit and K.TIME_OK or K.TIME_UNRESOLVED
   end
 end
@@ -7383,7 +7395,7 @@ do
   end
 
   local function span_text(span)
-    if span.most < 0 then return "the clock was set back" end
+    if span.least == K.SET_BACK then return "the clock was set back" end
     if span.most == K.ANY_TIME then
       return span.least > 0 and "at least " .. ms_text(span.least) or "not known"
     end
@@ -7657,8 +7669,8 @@ do
     local span = {least = 0, most = K.ANY_TIME}
 
     if times.begin_earliest and last.begin_earliest then
-      span.least = T.elapsed(last.begin_latest, times.begin_earliest)
-      span.most = T.elapsed(last.begin_earliest, times.begin_latest)
+      span = S.span(T.elapsed(last.begin_latest, times.begin_earliest),
+        T.elapsed(last.begin_earliest, times.begin_latest))
     end
     return {frame = last.frame, ns = T.elapsed(last.begin, times.begin), span = span}
   end
@@ -8630,10 +8642,7 @@ do
     if telegram.answer_in then set_generated(add(d.tree, FX.synax_answer_in, d.tvb, 0, 0, telegram.answer_in)) end
     if not telegram.request_in then return end
     set_generated(add(d.tree, FX.synax_request_in, d.tvb, 0, 0, telegram.request_in))
-    if d.tree then
-      set_generated(add_value(d.tree, FX.synax_answer_time, d.tvb, 0, 0, nstime(telegram.elapsed),
-        T.ms_text(telegram.elapsed)))
-    end
+    S.add_ms(d.tree, FX.synax_answer_time, d.tvb, telegram.elapsed)
   end
 
   -- All bytes of a block, or of DB nn to DB 1. Those of SEND begin with the Indramat head. A reaction has none, so
@@ -8923,17 +8932,13 @@ do
     if frame then set_generated(add(d.tree, which, d.tvb, 0, 0, frame)) end
   end
 
-  local function add_ms(d, which, ns, sign)
-    if d.tree then set_generated(add_value(d.tree, which, d.tvb, 0, 0, nstime(ns), (sign or "") .. T.ms_text(ns))) end
-  end
-
   -- How long the partner took, against the acknowledgment delay QVZ.
   local function show_answer(d)
     local unit, limit = d.unit, p3964r.prefs.qvz_ms
 
     if not unit.answers then return end
     add_frame(d, FX["3964r_answers"], unit.answers)
-    add_ms(d, FX["3964r_answer_time"], unit.elapsed)
+    S.add_ms(d.tree, FX["3964r_answer_time"], d.tvb, unit.elapsed)
     if d.times.record and limit > 0 then
       show_verdict(d, FX["3964r_qvz_limit"], FX["3964r_qvz_verdict"], limit, S.judge(unit.span, limit * MS),
         strformat("answered later than QVZ = %d ms", limit))
@@ -8950,7 +8955,7 @@ do
     local shown = (interval.is_exact or interval.is_saturated) and interval.recorded or interval.span.most
 
     if shown ~= K.ANY_TIME then
-      add_ms(d, FX["3964r_zvz_interval_max"], shown, interval.is_saturated and "more than ")
+      S.add_ms(d.tree, FX["3964r_zvz_interval_max"], d.tvb, shown, interval.is_saturated and "more than ")
     end
     set_generated(add(d.tree, FX["3964r_zvz_position"], d.tvb, 0, 0, interval.at))
     if limit > 0 then
@@ -9336,10 +9341,7 @@ do
 
     add_frame(t, FX.synax_request_in, kept.request_in)
     add_frame(t, FX.synax_answer_in, kept.answer_in)
-    if kept.request_in then
-      set_generated(t.tree and add_value(t.tree, FX.synax_answer_time, t.tvb, 0, 0, nstime(kept.answer_time),
-        T.ms_text(kept.answer_time)))
-    end
+    if kept.request_in then S.add_ms(t.tree, FX.synax_answer_time, t.tvb, kept.answer_time) end
     add_frame(t, FX.synax_unanswered_in, kept.unanswered_in)
     if kept.unanswered_in then add_expert(t.root, EX.synax_unanswered_before) end
   end
@@ -10034,8 +10036,7 @@ do
     if not request then return end
     if d.access.operation == READ_ANSWER then
       set_generated(add(tree, FX.synax_request_in, d.tvb, 0, 0, request.frame))
-      set_generated(tree and add_value(tree, FX.synax_answer_time, d.tvb, 0, 0, nstime(link.elapsed),
-        T.ms_text(link.elapsed)))
+      S.add_ms(tree, FX.synax_answer_time, d.tvb, link.elapsed)
     elseif request.answer_in then
       set_generated(add(tree, FX.synax_answer_in, d.tvb, 0, 0, request.answer_in))
     elseif request.next_in then
@@ -10311,8 +10312,7 @@ do
     if not request then return end
     if d.access.is_answer then
       set_generated(add(tree, FX.synaxpcp_request_in, d.tvb, 0, 0, request.frame))
-      set_generated(tree and add_value(tree, FX.synaxpcp_response_time, d.tvb, 0, 0, nstime(link.elapsed),
-        T.ms_text(link.elapsed)))
+      S.add_ms(tree, FX.synaxpcp_response_time, d.tvb, link.elapsed)
     elseif request.answer_in then
       set_generated(add(tree, FX.synaxpcp_response_in, d.tvb, 0, 0, request.answer_in))
     end
@@ -11024,8 +11024,7 @@ do
 
     if not unit.is_first then return end
     if line.tree and S.is_measured(unit.elapsed, times) then
-      set_generated(add_value(line.tree, F.reaction_time, line.tvb, 0, 0, nstime(unit.elapsed),
-        T.ms_text(unit.elapsed)))
+      S.add_ms(line.tree, F.reaction_time, line.tvb, unit.elapsed)
       S.add_column_ms(line.tree, F.reaction_time_ms, line.tvb, unit.elapsed)
     end
     if not times.record then return end

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 import struct
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from sistap.wireshark.tshark import Tshark
 from tables import shown
 
 S = 1_000_000_000
+CLOCK_BACK = Path(__file__).with_name("clock-back.pcapng")
 LATEST_NS = 9_150_000_000 * S  # plugin/docs/verdicts.md
 FAR_NS = (0, 1, START_NS, LATEST_NS - 1, LATEST_NS, 2**63 - 1, 2**63, 2**63 + 1, 2**64 - 1)
 FAR_S = (0, START_NS // S, 2**31, 2**33, 2**34, 2**53, 2**62, 2**63 - 1, 2**63, 2**64 - 1)
@@ -51,9 +53,9 @@ def exchanges(pairs: list[tuple[int, ...]], resolution: int) -> bytes:
 
 
 def elapsed(command_ns: int, reaction_ns: int) -> int:
-    """Work out the reaction time, in ns."""
+    """Work out the reaction time, in ns; if it is not above 0, there is none."""
     command_ns, reaction_ns = min(command_ns, LATEST_NS), min(reaction_ns, LATEST_NS)
-    return max(-LATEST_NS, min(reaction_ns - command_ns - DURATION_NS, LATEST_NS))
+    return min(reaction_ns - command_ns - DURATION_NS, LATEST_NS)
 
 
 def seconds(ns: int) -> str:
@@ -66,7 +68,19 @@ def test_reaction_times(tshark: Tshark, tmp_path: Path) -> None:
     capture = tmp_path / "far.pcapng"
     capture.write_bytes(exchanges(pairs, 9))
     found = [cells["reaction_time"] for cells in shown(tshark, capture, "reaction_time").values() if cells]
-    assert found == [seconds(elapsed(*pair)) for pair in pairs if elapsed(*pair) > 0]
+    assert found == [seconds(ns) for pair in pairs if (ns := elapsed(*pair)) > 0] != []
+
+
+def test_a_clock_that_is_set_back_makes_no_duration(tshark: Tshark) -> None:
+    protocols = "sis,3964r,rk512i,sisascii,synaxobj,synaxpcp,arcnet7f"
+    options = ("-o", "sis.trs_ms:40", "-o", "3964r.qvz_ms:100", "-O", protocols)
+    text = tshark.output("-r", str(CLOCK_BACK), *options)
+    assert text.count(": 599") == 0 and not re.findall(r"^.*-\d[\d.]* m?s\b.*$", text, re.MULTILINE)
+    assert text.count("whose end has a later time: the reaction time is not known]") == 2  # by SIS, and in an object
+    assert text.count("Read phase: phase 4 (operating mode), reached\n") == 1
+    verdicts = re.findall(r"\[Verdict on (\w+): (\w+)", text)
+    assert verdicts.count(("Tmas", "unresolved")) == 2 and ("TrS", "unresolved") in verdicts
+    assert ("QVZ", "Unresolved") in verdicts
 
 
 @pytest.mark.thorough

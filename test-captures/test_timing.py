@@ -217,7 +217,7 @@ def test_a_clock_that_was_set_back_measures_nothing(tshark: Tshark, tmp_path: Pa
     assert frames[7] == {"trs.verdict": "2", "phase.switch_in": "4"}
     assert frames[8] == {"tmas.before_in": "2", "tmas.verdict": "2"}
     tree = tshark.output("-r", str(capture), "-V", "-O", "sis")
-    assert "Command in: 6, which ended later by the clock: the reaction time is not known" in tree
+    assert "Command in: 6, whose end has a later time: the reaction time is not known" in tree
     assert "phase 4 (operating mode), reached\n" in tree
     assert tree.count("not exact enough (2), the clock was set back") == 2
 

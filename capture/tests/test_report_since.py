@@ -43,6 +43,11 @@ def test_a_log_without_dates_is_of_1970_01_01() -> None:
     assert since.parse(f"{noon + timedelta(hours=1):%H:%M}")(noon) < noon
 
 
+@pytest.mark.parametrize("text", ["999999d", "738500d"])
+def test_longer_than_there_are_years_is_all(text: str) -> None:
+    assert since.parse(text)(END).timestamp() < 0
+
+
 @pytest.mark.parametrize("text", ["", "8", "24:00", "6:0", "-8h", "8w", "yesterday", "99999999d"])
 def test_what_is_no_time(text: str) -> None:
     with pytest.raises(ValueError, match="06:00 or a date"):

@@ -37,15 +37,16 @@ sertap_time(int64_t ns)
     return moment;
 }
 
-/* Wireshark leaves out items that nobody sees or filters for, but only after their text is made. */
+/* Wireshark leaves out items that nobody sees or filters for, but only after their text is made.
+ * A clock that is set back makes no duration. */
 proto_item *
 sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset, unsigned length,
               wmem_allocator_t *scope, int64_t ns)
 {
     nstime_t moment = sertap_time(ns);
 
-    if (!proto_field_is_referenced(tree, hf))
-        return tree;
+    if (ns < 0 || !proto_field_is_referenced(tree, hf))
+        return NULL;
     return proto_tree_add_time_format_value(tree, hf, tvb, offset, length, &moment, "%s",
                                             sertap_ms_text(scope, ns));
 }

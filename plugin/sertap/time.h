@@ -33,7 +33,7 @@ const char *sertap_exact_ms_text(wmem_allocator_t *scope, int64_t ns);
 /* "12.346 s". */
 const char *sertap_s_text(wmem_allocator_t *scope, int64_t ns);
 
-/* Adds a time as "12.345 ms". */
+/* Adds a duration as "12.345 ms"; returns NULL where nobody sees it or there is none. */
 proto_item *sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset, unsigned length,
                           wmem_allocator_t *scope, int64_t ns);
 

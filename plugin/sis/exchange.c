@@ -493,7 +493,7 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
     else if (exchange->has_time && !exchange->is_measured)
         proto_item_append_text(command, ", %s: the reaction time is not known",
                                exchange->reaction_time == 0 ? "in the same read"
-                                                            : "which ended later by the clock");
+                                                            : "whose end has a later time");
     else if (exchange->has_time && tree != NULL) {
         proto_item_set_generated(
             sertap_add_ms(tree, hf_sis_reaction_time, tvb, 0, 0, pinfo->pool, exchange->reaction_time));

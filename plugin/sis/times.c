@@ -262,12 +262,16 @@ sis_is_measured(int64_t elapsed, const sis_times_t *times)
 }
 
 sis_span_t
+sis_span(int64_t least, int64_t most)
+{
+    return most < 0 ? (sis_span_t){SIS_SET_BACK, SIS_ANY_TIME} : (sis_span_t){least, most};
+}
+
+sis_span_t
 sis_span_between(int64_t end_earliest, int64_t end, const sis_times_t *after)
 {
-    sis_span_t span = {sertap_elapsed(end, after->begin_earliest),
-                       sertap_elapsed(end_earliest, after->begin_latest)};
-
-    return span;
+    return sis_span(sertap_elapsed(end, after->begin_earliest),
+                    sertap_elapsed(end_earliest, after->begin_latest));
 }
 
 sis_verdict_t
@@ -275,7 +279,5 @@ sis_judge(sis_span_t span, int64_t limit)
 {
     if (span.least > limit)
         return SIS_TIME_EXCEEDED;
-    if (span.most < 0)
-        return SIS_TIME_UNRESOLVED; /* the clock was set back */
     return span.most <= limit ? SIS_TIME_OK : SIS_TIME_UNRESOLVED;
 }

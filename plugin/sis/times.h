@@ -12,6 +12,7 @@ typedef struct {
 } sis_span_t;
 
 #define SIS_ANY_TIME INT64_MAX /* upper bound, if there is none */
+#define SIS_SET_BACK INT64_MIN /* lower bound of a duration during which the clock was set back */
 
 /* A telegram's characters. Times are ns since 1970. */
 typedef struct {
@@ -53,9 +54,12 @@ typedef struct {
 /* The limit in ns; 0: none, and nothing exceeds it. Only where times->record is not NULL. */
 sis_longest_t sis_longest(const sis_times_t *times, int64_t limit);
 
-/* Whether a duration up to this telegram was measured: in a read of the tap all characters have its time, and
- * a clock that was set back measures nothing. */
+/* Whether a duration up to this telegram was measured: in a read of the tap all characters have its time,
+ * and a clock that was set back measures nothing. */
 bool sis_is_measured(int64_t elapsed, const sis_times_t *times);
+
+/* Of a duration. After a clock was set back it is not known. */
+sis_span_t sis_span(int64_t least, int64_t most);
 
 /* From the end of one telegram to the beginning of another. */
 sis_span_t sis_span_between(int64_t end_earliest, int64_t end, const sis_times_t *after);

@@ -69,7 +69,7 @@ ms_text(const timing_t *t, int64_t ns)
 static const char *
 span_text(const timing_t *t, const sis_span_t *span)
 {
-    if (span->most < 0)
+    if (span->least == SIS_SET_BACK)
         return "the clock was set back";
     if (span->most == SIS_ANY_TIME)
         return span->least > 0 ? wmem_strdup_printf(t->pinfo->pool, "at least %s", ms_text(t, span->least))
@@ -445,8 +445,8 @@ make_cycle(const control_word_t *last, const sis_times_t *times)
 
     *cycle = (sis_cycle_t){last->frame, sertap_elapsed(last->times.begin, times->begin), {0, SIS_ANY_TIME}};
     if (times->is_bounded && last->times.is_bounded)
-        cycle->span = (sis_span_t){sertap_elapsed(last->times.begin_latest, times->begin_earliest),
-                                   sertap_elapsed(last->times.begin_earliest, times->begin_latest)};
+        cycle->span = sis_span(sertap_elapsed(last->times.begin_latest, times->begin_earliest),
+                               sertap_elapsed(last->times.begin_earliest, times->begin_latest));
     return cycle;
 }
 

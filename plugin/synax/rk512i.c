@@ -438,7 +438,7 @@ queue_answer(const dissection_t *d)
 {
     answer_t *answer;
 
-    if (d->telegram->request_in == 0 || d->telegram->job == NULL)
+    if (d->telegram->request_in == 0 || d->telegram->job == NULL || d->telegram->elapsed < 0)
         return;
     answer = wmem_new(d->pinfo->pool, answer_t);
     *answer = (answer_t){d->telegram->job->command, d->telegram->elapsed};

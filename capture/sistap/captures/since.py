@@ -17,6 +17,7 @@ from sistap.common.calendar import of_clock
 
 Since = Callable[[datetime], datetime]  # of the end of the captures
 
+_FIRST = datetime(1, 1, 2, tzinfo=UTC)  # in any time zone
 _UNITS = {"m": "minutes", "h": "hours", "d": "days"}
 _SPAN = re.compile(r"(\d{1,6}(?:\.\d{1,6})?)([mhd])")
 _CLOCK = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)")
@@ -26,7 +27,7 @@ def parse(text: str) -> Since:
     """Read 8h, 06:00 or a date. ValueError says what is wrong."""
     if span := _SPAN.fullmatch(text):
         length = timedelta(**{_UNITS[span[2]]: float(span[1])})
-        return lambda end: end - length
+        return lambda end: _before(end, length)
     if clock := _CLOCK.fullmatch(text):
         return lambda end: _last(end, int(clock[1]), int(clock[2]))
     try:
@@ -34,6 +35,14 @@ def parse(text: str) -> Since:
     except ValueError:
         raise ValueError(f"'{text}' is not 8h, 30m, 2d, 06:00 or a date such as 2026-03-14T06:00") from None
     return lambda _: moment if moment.tzinfo else of_clock(moment)
+
+
+def _before(end: datetime, length: timedelta) -> datetime:
+    """Return the time so long before; that of the first year if it would be earlier: all is told then."""
+    try:
+        return end - length
+    except OverflowError:
+        return _FIRST
 
 
 def _last(end: datetime, hour: int, minute: int) -> datetime:
