@@ -25,6 +25,7 @@ from wine import CAPTURE, ROOT, Wine  # noqa: E402
 
 SUITE_S = 3600
 SUITE = "-m pytest -q -rs -c capture/pyproject.toml --rootdir . -p no:cacheprovider --tb=short --timeout=900"
+FAILURES = ("failed", "error", "errors")  # pytest's words
 
 
 class Done(NamedTuple):
@@ -47,23 +48,27 @@ def suite(wine: Wine) -> str:
     files = sorted(path.relative_to(ROOT) for path in (CAPTURE / "tests").glob("test_*.py"))
     count = os.cpu_count() or 1
     with ThreadPoolExecutor(count) as pool:
-        counts = list(pool.map(partial(share, wine), range(count), [files[first::count] for first in range(count)]))
-    return ", ".join(f"{sum(counted[word] for counted in counts)} {word}" for word in ("passed", "skipped"))
+        shares = pool.map(partial(share, wine), range(count), [files[first::count] for first in range(count)])
+    counted = sum(shares, Counter[str]())
+    told = ", ".join(f"{counted[word]} {word}" for word in ("passed", "skipped", *FAILURES) if counted[word])
+    assert counted["passed"] and not any(counted[word] for word in FAILURES), f"{told}: see {_log(wine, '*')}"
+    return told
 
 
 def share(wine: Wine, number: int, files: list[Path]) -> Counter[str]:
-    """Run some test files; return how many passed and were skipped."""
-    own = [f"--basetemp=C:\\suite{number}", "-m", "not thorough", *map(str, files)]
+    """Run some test files; return how many passed, were skipped, or failed."""
+    own = [f"--basetemp=C:\\suite{number}", "-m", "not thorough and not style", *map(str, files)]
     said = wine.run(wine.python, *SUITE.split(), *own, code=None, timeout_s=SUITE_S)
-    log = wine.folder / f"suite-{wine.version}-{number}.txt"
+    log = _log(wine, number)
     log.write_text(said)
     # Not always the last line: wine's server may complain when it ends.
     summaries = re.findall(r"^(\d+ [a-z]+, .*|\d+ [a-z]+) in [\d.]+s", said, re.MULTILINE)
     assert summaries, f"no summary of pytest: see {log}"
-    summary = summaries[-1]
-    counted = Counter({word: int(count) for count, word in re.findall(r"(\d+) ([a-z]+)", summary)})
-    assert counted["passed"] and not counted["failed"] + counted["error"] + counted["errors"], f"{summary}: see {log}"
-    return counted
+    return Counter({word: int(count) for count, word in re.findall(r"(\d+) ([a-z]+)", summaries[-1])})
+
+
+def _log(wine: Wine, number: int | str) -> Path:
+    return wine.folder / f"suite-{wine.version}-{number}.txt"
 
 
 PARTS: dict[str, Callable[[Wine], str]] = {

@@ -11,13 +11,18 @@ from typing import NamedTuple
 
 from wine import TIMEOUT_S, Wine, drive, until
 
+from sistap.beside.aligning import latest_times
 from sistap.captures.reading import records
-from sistap.line.settings import UNCERTAINTY_UNKNOWN
+from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag
 from sistap.records.record import Record, Type
 
 SENT = bytes(range(256)) * 2
-PAUSE_S = 0.002
+PAUSE_S = 0.002  # longer than a character
 SOME = 30  # telegrams
+
+# An uncertainty is a p99.9: 1 character in 1000 may have waited for longer (docs/times.md). Characters of the same read
+# waited for the same reason, so they count once. By chance, more than 4 of 512 did so in one check of 5000.
+MOST_EARLIER = 4
 
 # A pseudo terminal carries no parity, and wine refuses 8E1 there after the first time.
 FORMAT = ("--format", "8N1", "--force")
@@ -28,6 +33,14 @@ class Sending(NamedTuple):
 
     begun_ns: int
     done_ns: int
+
+
+class Told(NamedTuple):
+    """What its record says of a character: when it came, in ns, and with which read."""
+
+    read: int
+    earliest_ns: int
+    latest_ns: int
 
 
 def capture(wine: Wine, port: str) -> str:
@@ -54,25 +67,27 @@ def _send(ours: int, character: bytes) -> Sending:
 
 
 def _timed(heard: Sequence[Record], sent: Sequence[Sending]) -> str:
-    """Check the times of all characters against the bounds in the record."""
+    """Check when each character came, by its record, against the time when it was sent."""
     if all(record.uncertainty_ns == UNCERTAINTY_UNKNOWN for record in heard):
         return ", times of unknown uncertainty"
-    judged = list(zip(_times(heard), sent, strict=True))
-    early = [at_ns - sending.begun_ns for (at_ns, _), sending in judged if at_ns < sending.begun_ns]
-    late = [at_ns - bound_ns - sending.done_ns for (at_ns, bound_ns), sending in judged]
-    late = [ns for ns in late if ns > 0]
-    assert not early, f"{len(early)} characters have a time before they were sent, up to {-min(early)} ns"
-    assert not late, f"{len(late)} characters came later than the bound says, up to {max(late)} ns"
-    return f", times within {max(bound_ns for (_, bound_ns), _ in judged) / 1e6:.1f} ms"
+    judged = list(zip(_told(heard), sent, strict=True))
+    unsent = [sending.begun_ns - told.latest_ns for told, sending in judged if told.latest_ns < sending.begun_ns]
+    assert not unsent, f"{len(unsent)} characters have a time before they were sent, up to {max(unsent)} ns"
+    early = [(told.read, told.earliest_ns - sending.done_ns) for told, sending in judged]
+    early = [(read, ns) for read, ns in early if ns > 0]
+    reads = len({read for read, _ in early})
+    assert reads <= MOST_EARLIER, f"{reads} reads came earlier than told, up to {max(ns for _, ns in early)} ns"
+    widest_ms = max(record.uncertainty_ns for record in heard) / 1e6
+    return f", times within {widest_ms:.1f} ms" + (f", but {reads} earlier" if reads else "")
 
 
-def _times(heard: Sequence[Record]) -> Iterator[tuple[int, int]]:
-    """Yield the time of each character and its uncertainty, in ns."""
-    for record in heard:
-        now_ns = record.time_ns
-        for number in range(len(record.data)):
-            now_ns += record.intervals[number] if number else 0
-            yield now_ns, record.uncertainty_ns
+def _told(heard: Sequence[Record]) -> Iterator[Told]:
+    """Yield what the records say of each character."""
+    read = 0
+    for record, times in zip(heard, latest_times(heard), strict=True):
+        for flags, latest_ns in zip(record.flags, times, strict=True):
+            read += not flags & Flag.SAME_READ
+            yield Told(read, latest_ns - record.uncertainty_ns, latest_ns)
 
 
 def looked_for(wine: Wine) -> str:

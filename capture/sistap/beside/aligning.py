@@ -58,7 +58,7 @@ def frames(path: Path) -> list[Frame]:
                 records.append((number, one))
         except (ValueError, IndexError) as error:
             raise NotCaptured(f"{path} has a damaged record: {error}; leave it out in Wireshark") from error
-    latest = _latest([one for _, one in records])
+    latest = latest_times([one for _, one in records])
     found = [
         Frame(number, one.data, _times(one), times, one.uncertainty_ns)
         for (number, one), times in zip(records, latest, strict=True)
@@ -159,7 +159,7 @@ def _times(record: Record) -> list[int]:
     return times
 
 
-def _latest(records: Sequence[Record]) -> list[list[int]]:
+def latest_times(records: Sequence[Record]) -> list[list[int]]:
     """Return the latest times of each record. A read can continue in the next record of its line."""
     latest: list[list[int]] = [[]] * len(records)
     behind: Counter[int] = Counter()  # for each line: characters of the same read that came later
