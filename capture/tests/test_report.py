@@ -546,8 +546,36 @@ def test_several_telegrams_in_a_packet_are_told_apart_where_that_is_possible() -
     assert second.reaction is None
     figures = Figures()
     figures.add(packet)
+    figures.finish()
     assert (figures.telegrams, figures.good) == (2, 1)
     assert list(figures.stations) == [16]
+
+
+def test_alike_packets_are_counted_together_as_one_by_one(
+    tshark: Tshark, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    every = tmp_path / "every.pcapng"
+    every.write_bytes(b"".join(path.read_bytes() for path in sorted(CAPTURES.glob("*.pcapng"))))
+    together = plain.as_text(made(tshark, every))
+    monkeypatch.setattr("sistap.report.figures.TOGETHER", 1)
+    assert plain.as_text(made(tshark, every)) == together
+
+
+def test_the_first_of_equal_times_is_the_longest() -> None:
+    """Packets that are counted together do not come one after the other."""
+    columns = {"sertap.type": "0", "sis.start": "0x02", "sis.talker": "3", "sis.checksum.status": "1"}
+    times = {"sis.tza.interval_max": "0.004", "sis.silence_before": "0.300"}
+    several = Figures()
+    # The second is not like the first. The third is like the first, so it is counted before the second.
+    for number, status, more in ((1, "0", {}), (2, "1", times), (3, "0", times)):
+        own = {"frame.number": str(number), "sis.tza.position": str(number), "sis.status": status}
+        packet = packet_of(columns | own | more)
+        packet.alike = status
+        several.add(packet)
+    several.finish()
+    assert several.silences.before == 2
+    (pause,) = several.pauses.talkers.values()
+    assert (pause.longest_s, pause.position) == (0.004, 2)
 
 
 @pytest.mark.parametrize(

@@ -182,6 +182,7 @@ class Packet:
     telegrams: list[Telegram] = field(default_factory=list)
     accesses: list[Access] = field(default_factory=list)  # to parameters
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
+    alike: object = field(default_factory=object, repr=False, compare=False)  # the same: what is not its own is equal
     length_s: float = field(init=False)
     is_before: bool = False  # the time from which on the capture is told
     is_again: bool = False  # an event at the beginning of a file that continues another, which began with it, too
@@ -372,7 +373,8 @@ class _AlikeTelegram(NamedTuple):
         return cls(make, *limits)
 
 
-class _Alike(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class _Alike:
     """What a row says besides what is its own, worked out once for all rows that say the same."""
 
     columns: Mapping[str, str]
@@ -431,25 +433,21 @@ def _packet(columns: Mapping[str, str], own: list[str], alike: _Alike) -> Packet
     """Return the packet of a row: its own texts, and what is known of such rows."""
     number, epoch, relative, uncertainty, text = own[:5]
     intervals_s = list(map(float, text.split(JOINT))) if text else []
-    since_s = intervals_s[0] if intervals_s and not alike.unknown else None
+    since_s = intervals_s.pop(0) if intervals_s and not alike.unknown else None
+    if alike.unknown > 1:
+        intervals_s = []  # nobody knows which ones they are
     return alike.make(
         int(number),
         float(epoch or 0),
         float(relative or 0),
         _known_number(uncertainty),
-        _inside(intervals_s, alike.unknown),
+        intervals_s,
         since_s,
         _telegrams(columns, own, alike),
         list(accesses(columns)) if own[_ACCESSES] else [],
         columns,
+        alike,
     )
-
-
-def _inside(intervals_s: list[float], unknown: int) -> list[float]:
-    """Return the intervals inside a record: without the one before its first character, which may be unknown."""
-    if unknown > 1:
-        return []  # nobody knows which ones they are
-    return intervals_s if unknown else intervals_s[1:]
 
 
 def _making(columns: Mapping[str, str]) -> Callable[..., Packet]:
@@ -522,7 +520,11 @@ _known_number = lru_cache(1024)(_number)
 
 
 def _float(text: str) -> float:
-    return float(first(text) if JOINT in text else text)
+    """Return the first of several values. Nearly always there is only one."""
+    try:
+        return float(text)
+    except ValueError:
+        return float(first(text))
 
 
 def _how_often(text: str | None) -> int:

@@ -71,13 +71,6 @@ class Distribution:
         if len(self._waiting) >= self.FEW:
             self._sort()
 
-    def put(self, time_s: float) -> None:
-        """Count one time."""
-        self.total_s += time_s
-        self._waiting.append(time_s)
-        if len(self._waiting) >= self.FEW:
-            self._sort()
-
     @property
     def count(self) -> int:
         """Return how many there are."""

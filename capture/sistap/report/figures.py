@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The figures of a report, counted packet by packet in bounded memory, however long the capture is."""
+"""The figures of a report, counted in bounded memory, however long the capture is.
+
+Most packets are alike: they say the same, but for their times. So those of a moment are counted together.
+"""
 
 from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from sistap.accesses.listing import Listing, Place
@@ -15,6 +19,7 @@ from sistap.report.pauses import Pauses
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 EVENTS_KEPT = 20
+TOGETHER = 1024  # packets that wait to be counted
 SILENCE_S = 0.2  # after which an operator terminal gives up (IF02 chapter 10.1)
 
 
@@ -25,11 +30,11 @@ class Limit:
     limits_s: Counter[float] = field(default_factory=Counter)
     verdicts: Counter[int | None] = field(default_factory=Counter)  # OK, EXCEEDED, UNRESOLVED; None: no limit known
 
-    def add(self, judged: Judged) -> None:
-        """Count one."""
-        self.verdicts[judged.verdict] += 1
+    def add(self, judged: Judged, count: int) -> None:
+        """Count so many that were judged in the same way."""
+        self.verdicts[judged.verdict] += count
         if judged.limit_s is not None:
-            self.limits_s[judged.limit_s] += 1
+            self.limits_s[judged.limit_s] += count
 
 
 @dataclass
@@ -64,13 +69,12 @@ class Exactness:
     unknown: int = 0  # records without an uncertainty
     same_read: int = 0  # intervals inside telegrams whose two characters came in one read
 
-    def add(self, packet: Packet) -> None:
-        """Count a record of characters."""
-        if packet.uncertainty_s is None:
-            self.unknown += 1
-        else:
-            self.least_s = min(self.least_s, packet.uncertainty_s)
-            self.most_s = max(self.most_s, packet.uncertainty_s)
+    def add(self, packets: Sequence[Packet]) -> None:
+        """Count records of characters."""
+        known_s = [packet.uncertainty_s for packet in packets if packet.uncertainty_s is not None]
+        self.unknown += len(packets) - len(known_s)
+        self.least_s = min([self.least_s, *known_s])
+        self.most_s = max([self.most_s, *known_s])
 
     @property
     def is_known(self) -> bool:
@@ -86,11 +90,14 @@ class Silences:
     longest_s: float = 0.0
     before: int | None = None  # the packet after the longest
 
-    def add(self, silence_s: float, packet: int) -> None:
-        """Count one."""
-        self.long += silence_s > SILENCE_S
-        if silence_s > self.longest_s:
-            self.longest_s, self.before = silence_s, packet
+    def add(self, silences_s: Sequence[float], packets: Sequence[Packet]) -> None:
+        """Count those before these packets. Of equal ones, the first is the longest."""
+        longest_s = max(silences_s)
+        if longest_s > SILENCE_S:
+            self.long += sum(silence_s > SILENCE_S for silence_s in silences_s)
+        number = packets[silences_s.index(longest_s)].number
+        if longest_s > self.longest_s or (self.before and longest_s == self.longest_s and number < self.before):
+            self.longest_s, self.before = longest_s, number
 
 
 @dataclass
@@ -119,77 +126,117 @@ class Figures:
     curves: Curves = field(default_factory=Curves)
     pauses: Pauses = field(default_factory=Pauses)
 
+    _alike: dict[object, list[Packet]] = field(default_factory=dict)  # that wait to be counted, of one slice
+    _waiting: int = 0
+    _slice: int = 0  # theirs, as wide as slices are now
+
     def add(self, packet: Packet) -> None:
-        """Count a packet."""
+        """Count a packet, at the latest when all have come."""
         self.packets += 1
-        self.records[packet.type] += 1
-        self.interfaces[packet.interface] += 1
         if self.first_epoch_s is None:
             self.first_epoch_s = packet.epoch_s
-        self.duration_s = max(self.duration_s, packet.end_s)
         if packet.type == EVENT and len(self.events) < EVENTS_KEPT:
             self.events.append(packet)
-        if packet.type in (FRAME, OTHER):
-            self._add_record(packet)
-            self.pauses.add(packet)
-        at = self.slices.at(packet.time_s)
-        for telegram in packet.telegrams:
-            self._add_telegram(telegram, at)
-            if telegram.silence:
-                self.silences.add(telegram.silence.time_s, packet.number)
-            # In the first second it is the load of a shorter time, 100 % to begin with.
-            if telegram.load_percent is not None and packet.time_s >= 1:
-                self.slices.add_load(at, telegram.load_percent)
         for access in packet.accesses:
             self.parameters.add(Place("", packet.number, packet.epoch_s), access)
             self.curves.add(packet.time_s, access)
-        for fault in packet.faults:
-            self.faults[fault.name] += 1
-            self.slices.counts[fault.name][at] += 1
+        number = int(packet.time_s / self.slices.width_s)
+        if number != self._slice or self._waiting == TOGETHER:
+            self.finish()
+            self._slice = int(packet.time_s / self.slices.width_s)
+        self._waiting += 1
+        alike = self._alike.get(packet.alike)
+        if alike is None:
+            self._alike[packet.alike] = [packet]
+        else:
+            alike.append(packet)
 
-    def _add_record(self, packet: Packet) -> None:
-        self.exactness.add(packet)
+    def finish(self) -> None:
+        """Count what waits."""
+        for packets in self._alike.values():
+            self._add(packets, self.slices.at(packets[0].time_s))
+        self._alike = {}
+        self._waiting = 0
+
+    def _add(self, packets: Sequence[Packet], at: int) -> None:
+        """Count packets of one slice that say the same."""
+        packet, count = packets[0], len(packets)
+        self.records[packet.type] += count
+        self.interfaces[packet.interface] += count
+        self.duration_s = max(self.duration_s, *(one.time_s + one.length_s for one in packets))
+        if packet.type in (FRAME, OTHER):
+            self._add_records(packets)
+            self.pauses.add(packets)
+        for place in range(len(packet.telegrams)):
+            self._add_telegrams(packets, [one.telegrams[place] for one in packets], at)
+        for fault in packet.faults:
+            self.faults[fault.name] += count
+            self.slices.counts[fault.name][at] += count
+
+    def _add_records(self, packets: Sequence[Packet]) -> None:
+        packet, count = packets[0], len(packets)
+        self.exactness.add(packets)
         if packet.baud:
-            self.settings[packet.baud, packet.format] += 1
+            self.settings[packet.baud, packet.format] += count
         if packet.type == FRAME and packet.framing:
-            self.framings[packet.framing] += 1
+            self.framings[packet.framing] += count
             if not packet.errors & LOST:
-                self.frame_intervals.add(packet.intervals_s)
+                for one in packets:
+                    self.frame_intervals.add(one.intervals_s)
         # The time in which characters were lost is none between neighbours.
         if packet.telegrams and not packet.errors & LOST:
-            self.exactness.same_read += packet.same_read
+            self.exactness.same_read += packet.same_read * count
 
-    def _add_telegram(self, telegram: Telegram, at: int) -> None:
-        self.telegrams += 1
-        for name, found in (("tza", telegram.pause), ("trs", telegram.reaction), ("tmas", telegram.cycle)):
+    def _add_telegrams(self, packets: Sequence[Packet], telegrams: Sequence[Telegram], at: int) -> None:
+        telegram = telegrams[0]
+        reactions = [one.reaction for one in telegrams if one.reaction]
+        pauses = [one.pause for one in telegrams if one.pause]
+        cycles = [one.cycle for one in telegrams if one.cycle]
+        self.telegrams += len(telegrams)
+        for name, found in (("tza", pauses), ("trs", reactions), ("tmas", cycles)):
             if found:
-                self.limits[name].add(found)
-        if telegram.reaction and telegram.service is not None:
+                self.limits[name].add(found[0], len(found))
+        if reactions and telegram.service is not None:
             service = self.services[telegram.service]
-            if telegram.reaction.time_s:
-                service.times.put(telegram.reaction.time_s)
-            service.trs.add(telegram.reaction)
+            service.times.add([one.time_s for one in reactions if one.time_s])
+            service.trs.add(reactions[0], len(reactions))
         if telegram.good:
-            self.good += 1
-            self._add_stations(telegram, at)
+            self.good += len(telegrams)
+            self._add_stations(telegram, len(telegrams), reactions, pauses, at)
+        self._add_bus(packets, telegrams, at)
 
-    def _add_stations(self, telegram: Telegram, at: int) -> None:
+    def _add_bus(self, packets: Sequence[Packet], telegrams: Sequence[Telegram], at: int) -> None:
+        silences = [(one.silence.time_s, packet) for packet, one in zip(packets, telegrams, strict=True) if one.silence]
+        if silences:
+            self.silences.add(*zip(*silences, strict=True))
+        # In the first second it is the load of a shorter time, 100 % to begin with.
+        loads = [
+            one.load_percent
+            for packet, one in zip(packets, telegrams, strict=True)
+            if one.load_percent is not None and packet.time_s >= 1
+        ]
+        if loads:
+            self.slices.add_load(at, max(loads))
+
+    def _add_stations(
+        self, telegram: Telegram, count: int, reactions: Sequence[Judged], pauses: Sequence[Judged], at: int
+    ) -> None:
+        """Count telegrams such as this one."""
         if telegram.unanswered and telegram.listener is not None:
-            self.stations[telegram.listener].unanswered += 1
+            self.stations[telegram.listener].unanswered += count
         if telegram.talker is None:
             return
         station = self.stations[telegram.talker]
-        self.slices.counts[str(telegram.talker)][at] += 1
+        self.slices.counts[str(telegram.talker)][at] += count
         if telegram.is_reaction:
-            station.reactions += 1
-            station.errors += telegram.is_refusal
+            station.reactions += count
+            station.errors += telegram.is_refusal * count
         else:
-            station.commands += 1
-            station.repeats += telegram.is_repeat
-        if telegram.reaction:
-            if telegram.reaction.time_s:
-                station.times.put(telegram.reaction.time_s)
-            station.trs.add(telegram.reaction)
-        if telegram.pause:
-            station.tza.add(telegram.pause)
-            station.longest_pause_s = max(station.longest_pause_s, telegram.pause.time_s)
+            station.commands += count
+            station.repeats += telegram.is_repeat * count
+        if reactions:
+            station.times.add([one.time_s for one in reactions if one.time_s])
+            station.trs.add(reactions[0], len(reactions))
+        if pauses:
+            station.tza.add(pauses[0], len(pauses))
+            station.longest_pause_s = max(station.longest_pause_s, *(one.time_s for one in pauses))

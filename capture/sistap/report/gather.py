@@ -74,6 +74,7 @@ def gather(  # noqa: PLR0913 - each comes from another part
             figures.add(packet)
             if figures.packets % _PROGRESS_EVERY == 0:
                 progress(f"{figures.packets} packets read, {packet.time_s:.0f} s of the capture")
+        figures.finish()
         episodes = [episode for episode in engine.finish() if episode.to_s >= since_s]
         shown = [*asked, *windows.around(episodes, figures.first_epoch_s or 0.0, asked)] if has_windows else []
         if shown:

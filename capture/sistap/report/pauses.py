@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import zip_longest
 from typing import NamedTuple
 
-from sistap.packets.dissection import LOST, UNRESOLVED, Packet, Telegram
+from sistap.packets.dissection import LOST, UNRESOLVED, Judged, Packet
 from sistap.packets.distribution import Distribution
 
 MOST_PLACES = 24  # characters of a telegram that have a place of their own
@@ -40,29 +40,36 @@ class Pause:
     exact_s: float = math.inf  # an uncertainty that would have decided all of these
     limits_s: set[float] = field(default_factory=set)
     ratio: float = 0.0  # the largest I + u as a part of the limit
+    _longest_in: int = 0  # packet
 
-    def add(self, packet: Packet, telegram: Telegram) -> None:
-        """Count a telegram."""
-        pause = telegram.pause
-        if pause is None:
+    def add(self, packets: Sequence[Packet]) -> None:
+        """Count the telegrams of packets that say the same, one of each packet."""
+        found = [(packet, pause) for packet in packets if (pause := packet.telegrams[0].pause)]
+        if not found:
             return
-        time_s, limit_s, verdict = pause
-        self.telegrams += 1
-        if time_s:
-            self.times.put(time_s)
-        if time_s > self.longest_s:
-            self.longest_s, self.position = time_s, telegram.pause_position
-        if packet.uncertainty_s is None:
-            self.unknown += 1
+        _, limit_s, verdict = found[0][1]
+        self.telegrams += len(found)
+        self.times.add([pause.time_s for _, pause in found if pause.time_s])
+        self._note_longest(*max(found, key=lambda one: one[1].time_s))
+        known = [(pause.time_s, packet.uncertainty_s) for packet, pause in found if packet.uncertainty_s is not None]
+        self.unknown += len(found) - len(known)
+        if not known:
             return
-        most_s = time_s + packet.uncertainty_s
+        most_s = max(time_s + uncertainty_s for time_s, uncertainty_s in known)
         self.most_s = max(self.most_s, most_s)
         if limit_s:
             self.limits_s.add(limit_s)
             self.ratio = max(self.ratio, most_s / limit_s)
             if verdict == UNRESOLVED:
-                self.unresolved += 1
-                self.exact_s = min(self.exact_s, abs(time_s - limit_s))
+                self.unresolved += len(known)
+                self.exact_s = min(self.exact_s, *(abs(time_s - limit_s) for time_s, _ in known))
+
+    def _note_longest(self, packet: Packet, pause: Judged) -> None:
+        """Note the longest of some packets. Of equal ones, the first counts."""
+        is_first = pause.time_s == self.longest_s > 0 and packet.number < self._longest_in
+        if pause.time_s > self.longest_s or is_first:
+            self.longest_s, self.position = pause.time_s, packet.telegrams[0].pause_position
+            self._longest_in = packet.number
 
     @property
     def safe_ms(self) -> int | None:
@@ -83,31 +90,41 @@ class Pauses:
 
     talkers: defaultdict[Talker, Pause] = field(default_factory=lambda: defaultdict(Pause))
     _places: list[Distribution] = field(default_factory=lambda: [Distribution() for _ in range(2, MOST_PLACES + 1)])
-    _waiting: list[list[float]] = field(default_factory=list)  # in no place yet
+    _waiting: defaultdict[int, list[list[float]]] = field(default_factory=lambda: defaultdict(list))  # by length
 
     _others: Distribution = field(default_factory=Distribution)  # intervals in other telegrams
     _total_s: float = 0.0  # of all intervals
 
-    def add(self, packet: Packet) -> None:
-        """Count the telegrams of a packet; where characters were lost, no interval is known."""
+    def add(self, packets: Sequence[Packet]) -> None:
+        """Count the telegrams of packets that say the same; where characters were lost, no interval is known."""
+        packet = packets[0]
         if packet.errors & LOST or not packet.telegrams:
             return
-        self._total_s += packet.length_s
+        self._total_s += sum(one.length_s for one in packets)
         telegram = packet.telegrams[0]
         if len(packet.telegrams) > 1 or not telegram.good:
-            self._others.add(packet.intervals_s)
+            for one in packets:
+                self._others.add(one.intervals_s)
             return
         if telegram.talker is not None:
-            self.talkers[Talker(telegram.talker, packet.baud or 0)].add(packet, telegram)
-        self._waiting.append(packet.intervals_s)
-        if len(self._waiting) >= self._TOGETHER:
+            self.talkers[Talker(telegram.talker, packet.baud or 0)].add(packets)
+        for one in packets:
+            self._wait(one.intervals_s)
+
+    def _wait(self, intervals_s: list[float]) -> None:
+        alike = self._waiting[len(intervals_s)]
+        alike.append(intervals_s)
+        if len(alike) == self._TOGETHER:
             self._sort()
 
     def _sort(self) -> None:
         *places, last = self._places
-        for place, intervals_s in zip(places, zip_longest(*self._waiting), strict=False):
-            place.add([interval_s for interval_s in intervals_s if interval_s is not None])
-        last.add([interval_s for intervals_s in self._waiting for interval_s in intervals_s[len(places) :]])
+        for alike in self._waiting.values():
+            columns = list(zip(*alike, strict=True))
+            for place, intervals_s in zip(places, columns, strict=False):
+                place.add(intervals_s)
+            for intervals_s in columns[len(places) :]:
+                last.add(intervals_s)
         self._waiting.clear()
 
     @property
