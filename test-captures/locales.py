@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterator
@@ -12,6 +13,9 @@ from pathlib import Path
 from sistap.wireshark.tshark import Tshark
 
 NAME = "de_DE.UTF-8"
+# The rest of the language, above all how it is sorted, would take localedef a second. C has it as well.
+NUMBERS = 'LC_NUMERIC\ncopy "de_DE"\nEND LC_NUMERIC\n'
+REST = Path("/usr/lib/locale/C.utf8")
 
 
 @contextmanager
@@ -20,9 +24,12 @@ def german() -> Iterator[dict[str, str]]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         folder.chmod(0o755)  # tshark may run as nobody
-        command = ["localedef", "-i", "de_DE", "-f", "UTF-8", str(folder / NAME)]
+        (folder / "numbers").write_text(NUMBERS)
+        command = ["localedef", "-c", "-i", str(folder / "numbers"), "-f", "UTF-8", str(folder / "made")]
         done = subprocess.run(command, check=False, capture_output=True, text=True)
-        assert (folder / NAME / "LC_NUMERIC").exists(), f"apt-get install locales; localedef says: {done.stderr}"
+        assert (folder / "made/LC_NUMERIC").exists(), f"apt-get install locales; localedef says: {done.stderr}"
+        shutil.copytree(REST, folder / NAME)
+        shutil.copy(folder / "made/LC_NUMERIC", folder / NAME)
         yield {"LC_ALL": NAME, "LOCPATH": name}
 
 
