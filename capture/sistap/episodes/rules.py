@@ -117,5 +117,5 @@ def changed(thresholds: Thresholds, text: str) -> Thresholds:
     except ValueError:
         number = -1
     if not 0 <= number < math.inf:
-        raise ValueError(f"'{value}' is not a {'whole number' if kind is int else 'number'} for {name}")
+        raise ValueError(f"{name} takes a {'whole ' if kind is int else ''}number from 0 on, not '{value}'")
     return thresholds._replace(**{name: number})
