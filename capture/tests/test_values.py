@@ -445,17 +445,23 @@ def test_what_is_refused_is_left_out() -> None:
     ]
 
 
-def test_a_server_that_hangs_delays_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The oldest values go. At the end, nobody waits long for it."""
+def hanging(monkeypatch: pytest.MonkeyPatch, said: list[str]) -> tuple[Kept, Values]:
+    """Return a server that hangs with the value of time 0, and the values for it: ten can wait."""
     monkeypatch.setattr(values_module, "MOST", 10)
-    monkeypatch.setattr(values_module, "PATIENCE_S", 0.1)
     kept = Kept(Undelivered("slow"))
     kept.may_go.clear()
-    said: list[str] = []
     values = Values(kept)
     values.put(0, [access()])
     values.start(said.append)
     wait_until(lambda: bool(values._batch))
+    return kept, values
+
+
+def test_a_server_that_hangs_delays_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The oldest values go. At the end, nobody waits long for it."""
+    monkeypatch.setattr(values_module, "PATIENCE_S", 0.1)
+    said: list[str] = []
+    kept, values = hanging(monkeypatch, said)
     began_s = time.monotonic()
     for number in range(1, 31):
         values.put(number, [access()])
@@ -467,14 +473,8 @@ def test_a_server_that_hangs_delays_nothing(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_what_was_too_much_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(values_module, "MOST", 10)
-    kept = Kept(Undelivered("slow"))
-    kept.may_go.clear()
     said: list[str] = []
-    values = Values(kept)
-    values.put(0, [access()])
-    values.start(said.append)
-    wait_until(lambda: bool(values._batch))
+    kept, values = hanging(monkeypatch, said)
     for number in range(1, 31):
         values.put(number, [access()])
     kept.may_go.set()
