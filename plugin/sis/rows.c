@@ -28,6 +28,7 @@ typedef struct {
 typedef struct {
     GHashTable *columns; /* by field, of those that come from the tree */
     GPtrArray *row;      /* all of them */
+    GString *line;       /* as it is printed, at once: each call of stdio takes a lock */
     epan_dissect_t *packet;
 } rows_t;
 
@@ -47,6 +48,7 @@ free_rows(void *data)
 
     g_hash_table_destroy(rows->columns);
     g_ptr_array_free(rows->row, TRUE);
+    g_string_free(rows->line, TRUE);
     g_free(rows);
 }
 
@@ -57,6 +59,7 @@ new_rows(void)
 
     rows->columns = g_hash_table_new(NULL, NULL);
     rows->row = g_ptr_array_new_with_free_func(free_column);
+    rows->line = g_string_new(NULL);
     return rows;
 }
 
@@ -201,11 +204,13 @@ write_row(rows_t *rows)
         GString *text = ((column_t *)g_ptr_array_index(rows->row, i))->text;
 
         if (i > 0)
-            putc('\t', stdout);
-        fwrite(text->str, 1, text->len, stdout);
+            g_string_append_c(rows->line, '\t');
+        g_string_append_len(rows->line, text->str, (gssize)text->len);
         g_string_truncate(text, 0);
     }
-    putc('\n', stdout);
+    g_string_append_c(rows->line, '\n');
+    fwrite(rows->line->str, 1, rows->line->len, stdout);
+    g_string_truncate(rows->line, 0);
 }
 
 static tap_packet_status
