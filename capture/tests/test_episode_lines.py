@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from sistap.episodes.causes import find_causes
 from sistap.episodes.episode import Episode, Hit
 from sistap.episodes.lines import lines
 from sistap.episodes.rules import RULES, Severity
@@ -76,7 +77,7 @@ def test_a_night_in_five_lines() -> None:
     assert changed == "Changed: new master 17 wrote station 4 S-0-0091 3000 -> 500 rpm at 03:12:07."
     assert limits == (
         "Limits: 3 reactions later than TrS (worst 201 ms, station 3, 05:12:00); "
-        "1 interval longer than TzA, 1 undecided (station 6, 30.000 ms, 05:40:00); "
+        "1 interval longer than TzA, perhaps 1 more (station 6, 30.000 ms, 05:40:00); "
         "2 damaged telegrams (stations 3, 6); "
         "1 loss of characters (station 3, in a telegram that is damaged, 05:05:00); "
         "clock -25 s at 05:50:00."
@@ -98,6 +99,25 @@ def test_what_became_of_a_write(outcome: str, said: str) -> None:
     )
 
 
+def test_what_follows_a_write_and_what_lasts_is_said() -> None:
+    """A write to another station, or an earlier or a later one, is not the cause."""
+    writes = [("01:50:00", 3, "S-0-0036"), ("01:50:01", 4, "S-0-0091"), ("01:40:00", 3, "S-0-0100")]
+    stepped = episode("step", "01:50:07", "01:54:59", 3, parameter="S-0-0040", detail="200 rpm below S-0-0036")
+    lasting = Episode.of(stepped.hit._replace(from_s=at("02:30:00"), to_s=at("05:59:58"), outcome="still so"))
+    before = Episode.of(stepped.hit._replace(from_s=at("01:48:00"), to_s=at("01:49:00")))
+    find_causes(
+        [
+            *(before, stepped, lasting),
+            *(episode("write", clock, "", station, parameter=parameter) for clock, station, parameter in writes),
+        ]
+    )
+    assert told(before, stepped, lasting)[2] == (
+        "Drives: station 3 S-0-0040 200 rpm below S-0-0036 01:48:00 to 01:49:00; "
+        "station 3 S-0-0040 200 rpm below S-0-0036 01:50:07 to 01:54:59, soon after the write of S-0-0036; "
+        "station 3 S-0-0040 200 rpm below S-0-0036 02:30:00 to 05:59:58, still so."
+    )
+
+
 def test_there_and_back_is_one_phrase() -> None:
     switched = [("01:30:00", 6, "4 -> 2"), ("01:30:40", 6, "2 -> 4"), ("01:30:20", 3, "4 -> 3")]
     assert told(
@@ -111,9 +131,9 @@ def test_there_and_back_is_one_phrase() -> None:
 
 
 def test_what_perhaps_is_none_comes_last() -> None:
-    undecided = episode("interval", "01:00:00", station=6, detail="perhaps: 6.000 ms", severity=Severity.NOTE)
+    perhaps = episode("interval", "01:00:00", station=6, detail="perhaps: 6.000 ms", severity=Severity.NOTE)
     jumped = episode("clock", "03:07:04", detail="+3600 s; the times go on without the jump", severity=Severity.NOTE)
-    assert told(undecided, jumped)[4] == (
+    assert told(perhaps, jumped)[4] == (
         "Limits: clock +3600 s at 03:07:04; perhaps 1 interval longer than TzA (station 6, 6.000 ms, 01:00:00)."
     )
 

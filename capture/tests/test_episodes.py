@@ -24,7 +24,7 @@ from sistap.episodes.engine import Engine
 from sistap.episodes.episode import PACKETS, Episode, Hit
 from sistap.episodes.levels import Levels
 from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Subject
-from sistap.episodes.silence import BusSilence
+from sistap.episodes.silence import BusSilence, StationSilence
 from sistap.episodes.states import Rate
 from sistap.episodes.trend import trend
 from sistap.episodes.values import Values
@@ -188,6 +188,37 @@ def test_what_became_of_what_a_new_master_wrote(after: Sequence[str], outcome: s
     (written,) = (one for one in engine.finish() if one.kind == "write")
     assert (written.hit.detail, written.outcome) == ("3000 rpm -> 500 rpm by new master 17", outcome)
     assert written.text.endswith(f"by new master 17; {outcome}")
+
+
+def test_what_lasts_to_the_end_says_so() -> None:
+    values = Values()
+    diagnosis, torque = Parameter("", "4", 7, "S-0-0390"), Parameter("", "4", 7, "S-0-0084")
+    for number in range(1, 601):
+        diagnoses = {200: "0x000F2028", 210: "0x000A0101", 400: "0x000F2028"}
+        shown = diagnoses[max((since for since in diagnoses if since <= number), default=210)]
+        percent = 20.0 if number < 400 else 60.0
+        said = [
+            Access(diagnosis, False, 16, "", shown, None, None, "", "", "", ""),
+            Access(torque, False, 16, "", f"{percent} %", percent, None, "", "%", "", ""),
+        ]
+        values.add(replace(packet(float(number)), accesses=said))
+    found = [(hit.kind, hit.from_s, hit.outcome) for hit in values.finish()]
+    lasting = "still so when last read"
+    assert found == [("changed", 200, ""), ("changed", 400, lasting), ("step", 400, lasting)]
+
+
+@pytest.mark.parametrize(("first", "outcome"), [(4, "not heard again"), (5, "")])
+def test_a_station_that_is_silent_to_the_end(first: int, outcome: str) -> None:
+    """One that never answered is perhaps not there."""
+    silence = StationSilence()
+    header: tuple[Any, ...] = (None, None, None, None, None, None, {})
+    for number in range(1, 11):
+        command = (True, 0x10, 16, 4, False, None, False, False, False, number >= first or first == 5, "", False, None)
+        said = [Telegram(*command, *header)]
+        if number < first < 5:
+            said.append(Telegram(True, 0x10, 4, 16, True, 0, False, False, False, False, "", False, number, *header))
+        assert list(silence.add(replace(packet(float(number)), telegrams=said))) == []
+    assert [(hit.kind, hit.outcome) for hit in silence.finish("")] == [("silent", outcome)]
 
 
 def test_the_filter_of_a_silence_finds_all_of_it() -> None:

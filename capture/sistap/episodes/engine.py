@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 
 from sistap.episodes.baseline import unlike
 from sistap.episodes.book import Book
+from sistap.episodes.causes import find_causes
 from sistap.episodes.episode import Episode, Hit
 from sistap.episodes.faults import Faults
 from sistap.episodes.masters import Masters, Writes
@@ -93,6 +94,7 @@ class Engine:
         if self._before:
             self._book.add(unlike(self._before._values, self._values))
         episodes = self._book.episodes()
+        find_causes(episodes)
         for one in episodes:
             if one.kind == "write" and one.hit.port in self._ports:
                 one.outcome = self._ports[one.hit.port].writes.outcome(one.hit)

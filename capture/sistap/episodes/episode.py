@@ -30,6 +30,7 @@ class Hit(NamedTuple):
     severity: Severity | None = None  # where it is not that of the rule
     port: str = ""
     topic: str = ""  # hits with another one are another episode
+    outcome: str = ""  # what became of it until the end
 
 
 def severity_of(hit: Hit) -> Severity:
@@ -48,11 +49,12 @@ class Episode:
     count: int
     packets: list[int]
     outcome: str = ""  # what became of it until the end
+    cause: str = ""  # what perhaps brought it about
 
     @classmethod
     def of(cls, hit: Hit) -> Episode:
         """Begin one."""
-        return cls(hit, severity_of(hit), hit.from_s, hit.to_s, 1, [hit.packet] if hit.packet else [])
+        return cls(hit, severity_of(hit), hit.from_s, hit.to_s, 1, [hit.packet] if hit.packet else [], hit.outcome)
 
     def join(self, other: Episode) -> None:
         """Take in a later one."""
@@ -60,6 +62,7 @@ class Episode:
             self.severity, self.hit = other.severity, other.hit
         self.from_s, self.to_s = min(self.from_s, other.from_s), max(self.to_s, other.to_s)
         self.count += other.count
+        self.outcome = other.outcome
         self.packets += other.packets
         self.packets[PACKETS - 1 : -1] = []
 
@@ -93,7 +96,7 @@ class Episode:
     @property
     def detail(self) -> str:
         """Return words about it."""
-        return "; ".join(filter(None, [self.hit.detail, self.outcome]))
+        return "; ".join(filter(None, [self.hit.detail, self.cause, self.outcome]))
 
     @property
     def lasts(self) -> bool:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from sistap.common.calendar import local
+from sistap.episodes.causes import SOON_S
 from sistap.episodes.episode import ARROW, Episode
 from sistap.episodes.rules import RULES, SUBJECTS, Severity, Subject
 from sistap.episodes.silence import seconds
@@ -17,7 +18,6 @@ NOT_OK = "NOT OK"
 _ALONE = 3  # episodes of a kind that are told one by one
 _PHRASES = 10  # in a line
 _DAY_S = 86_400
-_SAME_S = 60.0  # within which a drive's values change together
 _PAIRED = {"phase", "rate"}  # there and back is one phrase
 _STATIONS = 4  # that are named
 _LONG_HEX = re.compile(r"\b0x0+(?=[0-9A-F]{5}\b)")  # a drive displays its diagnostic numbers with five digits
@@ -29,11 +29,11 @@ _TOLD = {
     "rhythm": "Bus silent {count} times in a rhythm {when}, {short}",
     "adapter": "adapter lost {when}",
     "gap": "nothing was captured {when}",
-    "silent": "{who} {silence}",
-    "changed": "{who} {short} {when}",
-    "step": "{who} {short} {when}",
+    "silent": "{who} {silence}{more}",
+    "changed": "{who} {short} {when}{more}",
+    "step": "{who} {short} {when}{more}",
     "drift": "{who} {short}",
-    "write": "{by} wrote {who} {values} at {at}{outcome}",
+    "write": "{by} wrote {who} {values} at {at}{more}",
     "master": "{who} {short} {when}",
     "phase": "{who} phase {short} {when}",
     "rate": "{short} {when}",
@@ -142,7 +142,7 @@ def _is_explained(episode: Episode, others: Iterable[Episode]) -> bool:
 
 
 def _near(episode: Episode, others: Iterable[Episode]) -> Iterator[Episode]:
-    return (other for other in others if abs(other.from_s - episode.from_s) < _SAME_S)
+    return (other for other in others if abs(other.from_s - episode.from_s) < SOON_S)
 
 
 def _phrases(episodes: Sequence[Episode], clock: Callable[[float], str]) -> Iterator[Phrase]:
@@ -220,7 +220,7 @@ def _counted(episodes: Sequence[Episode], clock: Callable[[float], str]) -> Phra
     undecided = sum(one.count for one in episodes) - sum(one.count for one in certain)
     count = sum(one.count for one in certain) or undecided
     what = f"{'' if certain else 'perhaps '}{count} {_COUNTED[worst.kind][count > 1]}"
-    more = f", {undecided} undecided" if certain and undecided else ""
+    more = f", perhaps {undecided} more" if certain and undecided else ""
     who = "" if worst.station is None else f"station {worst.station}"
     is_timed = worst.rule.severity == Severity.ERROR and worst.hit.worst is not None
     if count == 1:
@@ -259,7 +259,7 @@ def _words(episode: Episode, clock: Callable[[float], str]) -> dict[str, str]:
         "by": by,
         "values": values if hit.worst is None else _numbers(values),
         "lasted": lasted,
-        "outcome": f", {_ZEROS.sub(_point, episode.outcome)}" if episode.outcome else "",
+        "more": "".join(f", {_ZEROS.sub(_point, one)}" for one in (episode.cause, episode.outcome) if one),
         "silence": hit.detail if is_new else f"from {clock(episode.from_s)} ({lasted})",
     }
 

@@ -151,6 +151,11 @@ class StationSilence:
 
     def finish(self, port: str) -> Iterator[Hit]:
         """Yield silences that last to the end."""
+        for hit in self._last(port):
+            was_heard = hit.kind == "silent" and hit.severity is None
+            yield hit._replace(outcome="not heard again") if was_heard else hit
+
+    def _last(self, port: str) -> Iterator[Hit]:
         self._resolve()
         for station, asked in self._stations.items():
             yield from self._told(port, station, asked)
@@ -158,7 +163,7 @@ class StationSilence:
     def _part(self, port: str) -> Iterator[Hit]:
         """Yield silences that last to the end of a kept file, and forget them; its last reaction may be missing."""
         self._pending = None
-        yield from self.finish(port)
+        yield from self._last(port)
         self._stations = {station: _Asked(has_answered=one.has_answered) for station, one in self._stations.items()}
 
     def _resolve(self) -> None:

@@ -24,6 +24,7 @@ _HOUR_S = 3600.0
 _LARGEST = 1e100  # nothing that a drive measures; and squares of it are still numbers
 _SHOWN = 40  # characters of a text
 _DIAGNOSIS = "S-0-0390"
+_STILL = "still so when last read"
 _FAULT = re.compile(r"0x0*F[0-9A-F]{3,4}")  # as the drive shows it: F228, F2028; a warning begins with E
 
 
@@ -143,7 +144,7 @@ class Values:
                 states_s = [state.from_s for state in followed.states[-1:]]
                 last_s = max([*states_s, followed.levels.began_s])
                 found = [*_changes(parameter, followed, self._thresholds.few_levels), *_steps(parameter, followed)]
-                yield from (hit for hit in found if hit.from_s >= last_s)
+                yield from (hit._replace(outcome="") for hit in found if hit.from_s >= last_s)
 
     def finish(self) -> Iterator[Hit]:
         """Yield what was not as usual."""
@@ -167,6 +168,8 @@ def _changes(parameter: Parameter, followed: _Followed, few_levels: int) -> Iter
         if state.value != usual:
             was = f"{before.value[:_SHOWN]}{ARROW}" if before is not state else ""
             hit = _hit("changed", parameter, state.packet, state.from_s, max(after.from_s, state.to_s))
+            if state is after:
+                hit = hit._replace(outcome=_STILL)
             is_fault = parameter.ident == _DIAGNOSIS and _FAULT.fullmatch(state.value)
             hit = hit._replace(detail=f"{was}{'fault ' if is_fault else ''}{state.value[:_SHOWN]}")
             yield hit._replace(severity=Severity.ERROR) if is_fault else hit
@@ -177,6 +180,8 @@ def _steps(parameter: Parameter, followed: _Followed) -> Iterator[Hit]:
     for level, severity in followed.levels.unusual():
         usual = followed.levels.usual
         hit = _hit("step", parameter, level.packet, level.from_s, level.to_s)
+        if level.from_s == followed.levels.began_s:
+            hit = hit._replace(outcome=_STILL)
         if command is None:
             detail = f"{_number(level.value)} {followed.unit}, usually {_number(usual)}"
         else:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from html import escape
 
 import sistap
@@ -51,6 +52,7 @@ td.folded { white-space: normal; min-width: 10rem; }
 code { background: var(--shade); padding: .1rem .3rem; border-radius: .2rem; user-select: all; }
 .headline, .answer { font-size: 1.1rem; }
 .answer li { margin: .35rem 0; }
+.answer span { white-space: nowrap; }
 a { color: inherit; text-decoration-color: var(--line); }
 tr:target { background: var(--shade); outline: .15rem solid var(--command); }
 .remarks { padding: .6rem 1rem .6rem 2rem; background: var(--shade); border-left: .3rem solid var(--line); }
@@ -169,8 +171,9 @@ def _answer(report: Report) -> str:
 
 
 def _phrase(text: str, row: int | None) -> str:
-    """Write a phrase, as a link to its row if the table has it."""
-    return escape(text) if row is None else f'<a href="#{tables.ANCHOR}{row}">{escape(text)}</a>'
+    """Write a phrase, as a link to its row if the table has it. No line ends at a hyphen of an ident."""
+    words = re.sub(tables.IDENT, r"<span>\g<0></span>", escape(text))
+    return words if row is None else f'<a href="#{tables.ANCHOR}{row}">{words}</a>'
 
 
 def _remarks(remarks: list[str]) -> str:

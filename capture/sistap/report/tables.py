@@ -52,7 +52,8 @@ _SHORT = {
     "TrS": "longest reaction time allowed",
     "Tmas": "longest time allowed between two master control words",
 }
-_NAMED = re.compile(rf"\b(?:[SP]-\d-\d{{4}}|{'|'.join(_SHORT)})\b")
+IDENT = r"[SP]-\d-\d{4}"  # of a parameter
+_NAMED = re.compile(rf"\b(?:{IDENT}|{'|'.join(_SHORT)})\b")
 ANCHOR = "episode"
 EPISODES_SHOWN = curved.EPISODES
 _PARAMETER_OF_EPISODE = 5  # the column
