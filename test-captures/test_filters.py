@@ -12,6 +12,7 @@ from sharkd import Sharkd
 
 from make import scenarios
 from merging import Group, groups
+from sistap.captures.portions import Portion
 from sistap.packets.dissection import Dissection
 from sistap.sis.faults import FAULTS
 from sistap.wireshark.tshark import Tshark
@@ -168,7 +169,7 @@ def test_the_report_counts_what_the_filters_beside_it_find(
 ) -> None:
     group.write(tmp_path / "capture.pcapng")
     counted = defaultdict(list)
-    with Dissection(tshark, tmp_path / "capture.pcapng") as dissection:
+    with Dissection(tshark, [Portion(tmp_path / "capture.pcapng")]) as dissection:
         for packet in dissection.packets():
             for fault in packet.faults:
                 counted[fault.name].append(packet.number)

@@ -12,7 +12,8 @@ import pytest
 from commands import refused, run
 
 from sistap.captures import reading
-from sistap.captures.joining import in_order, portions, together
+from sistap.captures.joining import in_order, together
+from sistap.captures.portions import portions
 from sistap.captures.reading import NotCaptured
 from sistap.files import pcapng
 from sistap.files.pcapng import Interface

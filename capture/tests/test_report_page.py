@@ -17,6 +17,7 @@ from report_capture import ACCEPT, BUS, LINE, READ, SET_TZA, STARTED, Sent, writ
 
 from sistap.accesses.access import Access, Parameter
 from sistap.accesses.listing import Listing, Place
+from sistap.captures.portions import Portion
 from sistap.draw.panel import Area, Bar, Strokes, Text
 from sistap.draw.svg import stacked, svg
 from sistap.episodes.episode import Episode, Hit
@@ -35,7 +36,9 @@ VOID = {"meta", "br"}
 def report(tmp_path_factory: pytest.TempPathFactory) -> Report:
     capture = write(tmp_path_factory.mktemp("page") / NAME, BUS)
     with Tshark() as tshark:
-        return gather(tshark, capture, [parse("100+1")], lambda text: None)
+        report = gather(tshark, [Portion(capture)], [parse("100+1")], lambda text: None)
+    report.name = NAME
+    return report
 
 
 @pytest.fixture(scope="module")
@@ -142,7 +145,7 @@ def test_every_pause_that_exceeds_tza_is_red(tmp_path: Path) -> None:
     in_one_read = Sent(READ, silence_ms=500, pauses_ms={3: 6.0, 9: 9.0}, flags={4: Flag.SAME_READ})
     capture = write(tmp_path / "two.pcapng", [Sent(SET_TZA), Sent(ACCEPT), two, in_one_read])
     with Tshark() as tshark:
-        report = gather(tshark, capture, [parse("0+0.3"), parse("0.4+1")], lambda text: None)
+        report = gather(tshark, [Portion(capture)], [parse("0+0.3"), parse("0.4+1")], lambda text: None)
     widths = {number: [end - begin for begin, end in Drawn(report, number).red] for number in (4, 5)}
     assert widths[4] == pytest.approx([6.0, 9.0], abs=1e-3)
     assert widths[5] == pytest.approx([9.0], abs=1e-3)  # the other one the dissector does not name
@@ -209,7 +212,7 @@ def test_the_overview_names_stations_and_faults(report: Report) -> None:
 def test_the_load_is_drawn_from_its_first_whole_second_on(tmp_path: Path) -> None:
     with Tshark() as tshark:
         capture = write(tmp_path / "load.pcapng", [Sent(READ, silence_ms=100.0)] * 30)
-        figures = gather(tshark, capture, [], lambda text: None).figures
+        figures = gather(tshark, [Portion(capture)], [], lambda text: None).figures
     # 30 times 100 ms of silence and 12 intervals of a character.
     loads = [(number * figures.slices.width_s, load) for number, load in enumerate(figures.slices.loads) if load]
     assert loads[0][0] == pytest.approx(1.0, abs=0.12)

@@ -15,6 +15,7 @@ from sharkd import Sharkd
 
 from sistap.accesses.access import Access, Parameter
 from sistap.accesses.listing import Place
+from sistap.captures.portions import Portion
 from sistap.draw.panel import Bar, Dots, Line, Panel
 from sistap.episodes.episode import Episode, Hit
 from sistap.report import curved, plain, plots, tables
@@ -30,7 +31,7 @@ CAPTURE = Path(__file__).parent.parent.parent / "test-captures" / "accesses.pcap
 @pytest.fixture(scope="module")
 def report() -> Report:
     with Tshark() as tshark:
-        return gather(tshark, CAPTURE, [], lambda text: None)
+        return gather(tshark, [Portion(CAPTURE)], [], lambda text: None)
 
 
 @pytest.mark.thorough

@@ -17,7 +17,6 @@ from sistap.files import pcapng
 from sistap.records.record import KEPT, Event
 from sistap.terminal.exits import UsageError
 
-_PACKED_TIMES = 12  # as large is a capture that was compressed
 _OTHER_PACKETS = (2, 3)  # kinds of blocks that name no interface, or are obsolete
 
 
@@ -70,14 +69,15 @@ def _unreadable(capture: Path) -> str:
     try:
         if next(reading.packets(capture), None) is None:
             return f"{capture} has no packets"
-        return "" if _is_joinable(capture) else _alone(capture)
+        return "" if _is_joinable(capture) else alone(capture)
     except OSError as error:
         return f"cannot read {capture}: {error.strerror}"
     except NotCaptured as error:
         return str(error)
 
 
-def _alone(capture: Path) -> str:
+def alone(capture: Path) -> str:
+    """Say that it cannot be joined."""
     return f"{capture} cannot be read with others: open it in Wireshark and save it as pcapng"
 
 
@@ -99,6 +99,10 @@ class Joined(NamedTuple):
         part = self.parts[bisect_right(self.parts, number, key=lambda part: part.first) - 1]
         return part.capture, number - part.first + 1
 
+    def number(self, capture: Path) -> int:
+        """Return the number of its first packet."""
+        return next(part.first for part in self.parts if part.capture == capture)
+
 
 def in_order(captures: Iterable[Path]) -> list[Path]:
     """Sort captures by their first packets. If any has no such time, the order stays."""
@@ -108,26 +112,19 @@ def in_order(captures: Iterable[Path]) -> list[Path]:
     return [capture for _, capture in sorted(times, key=lambda time: time[0] or 0)]
 
 
-def portions(captures: Iterable[Path], most: int) -> Iterator[list[Path]]:
-    """Yield captures that can be joined, in the order of their time, up to so many bytes. A foreign one is alone."""
-    portion: list[Path] = []
-    size = 0
-    for capture in in_order(captures):
-        more = capture.stat().st_size * (_PACKED_TIMES if capture.suffix == ".gz" else 1)
-        if portion and (size + more > most or not (_is_joinable(capture) and _is_joinable(portion[0]))):
-            yield portion
-            portion, size = [], 0
-        portion.append(capture)
-        size += more
-    yield portion
-
-
 @contextmanager
 def together(captures: Sequence[Path], say: Callable[[str], None]) -> Iterator[Joined]:
     """Join captures; a single one stays as it is. Report damage. Raise NotCaptured for a foreign one."""
     if len(captures) == 1:
         yield Joined(captures[0], [_Part(1, captures[0])])
-        return
+    else:
+        with joined(captures, say) as one:
+            yield one
+
+
+@contextmanager
+def joined(captures: Sequence[Path], say: Callable[[str], None]) -> Iterator[Joined]:
+    """Join captures. Report damage. Raise NotCaptured for a foreign one."""
     with temporary.folder() as folder:
         path = folder / "joined.pcapng"
         with path.open("wb") as file:
@@ -163,7 +160,7 @@ class _Joining:
     def _append(self, capture: Path) -> str:
         """Append its packets; return what is damaged."""
         if not _is_joinable(capture):
-            raise NotCaptured(_alone(capture))
+            raise NotCaptured(alone(capture))
         if _is_kept(capture):
             self._has_section = False
         try:
@@ -197,8 +194,7 @@ class _Joining:
         return len(body) + 12
 
     def _write(self, kind: int, body: bytes) -> None:
-        length = struct.pack("<I", len(body) + 12)
-        self._file.write(struct.pack("<I", kind) + length + body + length)
+        self._file.write(pcapng.block(kind, body))
 
 
 def _is_joinable(capture: Path) -> bool:
@@ -208,6 +204,14 @@ def _is_joinable(capture: Path) -> bool:
         except NotCaptured:
             return False
     return first is not None and first.order == "<"
+
+
+def is_foreign(capture: Path) -> bool:
+    """Tell whether it cannot be joined. One that a recorder has deleted by now is not foreign."""
+    try:
+        return not _is_joinable(capture)
+    except OSError:
+        return False
 
 
 def _is_kept(capture: Path) -> bool:

@@ -43,11 +43,13 @@ class Packet(NamedTuple):
     link_type: int
     time_ns: int | None  # None: its interface uses units that are not supported
     data: bytes
+    interface: bytes  # its description: the body of the block
 
 
 class _Interface(NamedTuple):
     link_type: int
     decimals: int  # decimal places of its time stamps, in seconds
+    description: bytes
 
 
 def records(path: Path) -> Iterator[Record]:
@@ -91,8 +93,8 @@ def packets(path: Path) -> Iterator[Packet]:
             elif kind == pcapng.ENHANCED_PACKET:
                 number, high, low, length = struct.unpack_from(f"{order}IIII", body)
                 if number < len(interfaces):
-                    time_ns = _time_ns(high << 32 | low, interfaces[number].decimals)
-                    yield Packet(interfaces[number].link_type, time_ns, body[20 : 20 + length])
+                    link_type, decimals, description = interfaces[number]
+                    yield Packet(link_type, _time_ns(high << 32 | low, decimals), body[20 : 20 + length], description)
 
 
 def opened(path: Path) -> BinaryIO:
@@ -146,7 +148,7 @@ def _interface(order: str, body: bytes) -> _Interface:
         if code == _RESOLUTION and length == 1 and place + 4 < len(body):
             decimals = body[place + 4]
         place += 4 + length + -length % 4
-    return _Interface(link_type, decimals)
+    return _Interface(link_type, decimals, body)
 
 
 def _time_ns(ticks: int, decimals: int) -> int | None:

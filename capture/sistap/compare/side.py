@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from sistap.accesses.listing import Listing, Place
 from sistap.captures.joining import in_order
+from sistap.captures.portions import Portion
 from sistap.common.garbage import uncollected
 from sistap.compare.samples import Samples
 from sistap.episodes.engine import Engine
@@ -111,7 +112,7 @@ def read(
         last_s = 0.0
         side.names.append(capture.name)
         progress(f"reading {capture}")
-        with Dissection(tshark, capture, keeps=False) as dissection, uncollected():
+        with Dissection(tshark, [Portion(capture)], keeps=False) as dissection, uncollected():
             for count, packet in enumerate(dissection.packets(), 1):
                 side.add(packet, capture.name)
                 last_s = max(last_s, packet.end_s)

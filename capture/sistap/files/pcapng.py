@@ -77,7 +77,8 @@ def _options(options: Iterable[Option]) -> bytes:
     return packed + bytes(4) if packed else b""
 
 
-def _block(kind: int, body: bytes) -> bytes:
+def block(kind: int, body: bytes) -> bytes:
+    """Return a block."""
     length = 12 + len(body)
     return struct.pack("<II", kind, length) + body + struct.pack("<I", length)
 
@@ -93,7 +94,7 @@ def _text(code: int, text: str) -> list[Option]:
 def section_header(application: str, operating_system: str) -> bytes:
     """Return the first block of a section and of a file."""
     options = [*_text(3, operating_system), *_text(4, application)]
-    return _block(SECTION_HEADER, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1) + _options(options))
+    return block(SECTION_HEADER, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1) + _options(options))
 
 
 def interface_description(interface: Interface) -> bytes:
@@ -105,13 +106,13 @@ def interface_description(interface: Interface) -> bytes:
     if interface.filter:
         options.append((11, b"\x00" + os.fsencode(interface.filter)))  # 0: a libpcap filter string
     options += _text(15, interface.hardware)
-    return _block(INTERFACE_DESCRIPTION, struct.pack("<HHI", interface.link_type, 0, 0) + _options(options))
+    return block(INTERFACE_DESCRIPTION, struct.pack("<HHI", interface.link_type, 0, 0) + _options(options))
 
 
 def enhanced_packet(interface: int, time_ns: int, data: bytes, flags: int = 0) -> bytes:
     """Return a packet block; `flags` are PacketFlags."""
     head = _PACKET.pack(interface, time_ns >> 32, time_ns & 0xFFFFFFFF, len(data), len(data))
-    return _block(ENHANCED_PACKET, head + _padded(data) + _packet_options(flags))
+    return block(ENHANCED_PACKET, head + _padded(data) + _packet_options(flags))
 
 
 @lru_cache(64)  # a capture has few different flags
@@ -124,7 +125,7 @@ def interface_statistics(interface: int, statistics: Statistics) -> bytes:
     counters = [(4, statistics.received), (6, statistics.accepted), (7, statistics.dropped)]
     options = [(2, _time(statistics.start_ns)), (3, _time(statistics.end_ns))]
     options += [(code, struct.pack("<Q", value)) for code, value in counters]
-    return _block(INTERFACE_STATISTICS, struct.pack("<I", interface) + _time(statistics.end_ns) + _options(options))
+    return block(INTERFACE_STATISTICS, struct.pack("<I", interface) + _time(statistics.end_ns) + _options(options))
 
 
 def upper_pdu(dissector: str, payload: bytes) -> bytes:

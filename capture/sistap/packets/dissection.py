@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from sistap.accesses.access import FIELD as ACCESSES
 from sistap.accesses.access import Access, accesses
+from sistap.captures.portions import Portion
 from sistap.line.settings import Flag
 from sistap.packets.kept import Kept, Span
 from sistap.records.record import KEPT, Event
@@ -106,6 +107,7 @@ _BEGINNING = {Event.CAPTURE_STARTED, Event.LIMITS_TOLD}
 _GOOD = {"1", "Good"}
 _TRUE = {"1", "True"}
 LOST = int(Flag.LOST_BEFORE)  # in the errors of a packet
+_LOAD_S = 1.0  # over which the dissector measures the load of the bus; at first over less, 100 % to begin with
 _CONTROL_ERROR = 6  # status bits of the edition ECODRIVE03: error
 _LINE_ERRORS = (
     ("sertap.error.character", int(Flag.CHARACTER_ERROR)),
@@ -207,16 +209,37 @@ class Packet:
         return self.epoch_s + self.length_s
 
 
-class Dissection:
-    """A capture as the installed dissector sees it, in two passes, so that later packets can explain earlier ones.
+@dataclass
+class _Part:
+    """A capture among those that are read as one."""
 
-    Use it in a `with`.
+    before: int  # packets of those before it
+    later_s: float = 0.0  # its seconds begin so much later than those of all; below 0: earlier
+    kept: Kept = field(default_factory=Kept)
+
+    def place(self, packet: Packet) -> None:
+        """Count number and seconds of a packet as those of all captures. Drop a load that is not of a whole second."""
+        if packet.time_s < _LOAD_S:
+            for telegram in packet.telegrams:
+                telegram.load_percent = None
+        packet.time_s += self.later_s
+        if self.before:
+            packet.number += self.before
+            for telegram in packet.telegrams:
+                telegram.command_in = telegram.command_in and telegram.command_in + self.before
+
+
+class Dissection:
+    """Captures as the installed dissector sees them, in two passes, so that later packets can explain earlier ones.
+
+    Several are read as one, but each by a tshark of its own: the dissector knows nothing of those before. Use it in a
+    `with`.
     """
 
     def __init__(  # noqa: PLR0913 - each comes from another part
         self,
         tshark: Tshark,
-        capture: Path,
+        captures: Iterable[Portion],
         more: Sequence[str] = (),
         *,
         preferences: Mapping[str, object] = MappingProxyType({}),
@@ -226,26 +249,27 @@ class Dissection:
         """Read these fields, too, with preferences of Wireshark.
 
         Nothing is read yet; what is not kept cannot be read again(), nor what came before `since_s`. From there on the
-        seconds of the capture are counted.
+        seconds are counted.
         """
         self._preferences = [word for name, value in preferences.items() for word in ("-o", f"{name}:{value}")]
         self._tshark = tshark
-        self._capture = capture
+        self._captures = captures
         self._fields = (*FIELDS, *more)
         self._own = {*_OWN, *more}
         self._keeps = keeps
         self._since_s = since_s
-        self._zero_s = 0.0 if since_s == -math.inf else None  # where the seconds begin; None: not yet reached
+        self._zero_s: float | None = None  # where the seconds begin, since 1970; None: not yet reached
         self._known: Collection[str] = self._fields
         self._rows = _Rows((), ())
-        self._kept = Kept()
-        self.warning = ""  # what tshark said at the end of a capture that is cut off
+        self._parts: list[_Part] = []
+        self.warning = ""  # what tshark said at the end of captures that are cut off
 
     def __enter__(self) -> Dissection:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._kept.__exit__(*error)
+        for part in self._parts:
+            part.kept.__exit__(*error)
 
     @property
     def missing(self) -> list[str]:
@@ -258,31 +282,42 @@ class Dissection:
 
     def again(self, spans: Collection[Span]) -> Iterator[Packet]:
         """Yield again the packets that begin in these spans."""
-        for row in self._kept.rows(spans):
-            packet = self._rows.packet(row)
-            packet.time_s -= self._zero_s or 0.0
-            if any(span.start_s <= packet.time_s <= span.end_s for span in spans):
-                yield packet
+        for part in self._parts:
+            for row in part.kept.rows(spans):
+                packet = self._rows.packet(row)
+                part.place(packet)
+                if any(span.start_s <= packet.time_s <= span.end_s for span in spans):
+                    yield packet
 
     def _packets(self) -> Iterator[Packet]:
+        number = 0
+        for portion in self._captures:
+            self._parts.append(_Part(number - portion.told))
+            for packet in self._of_part(portion.path, self._parts[-1]):
+                number = packet.number
+                yield packet
+
+    def _of_part(self, capture: Path, part: _Part) -> Iterator[Packet]:
         came = False
         try:
-            for line in self._lines():
-                came = True
+            for line in self._lines(capture):
                 packet = self._rows.packet(line)
                 if self._zero_s is None and packet.epoch_s >= self._since_s:
-                    self._zero_s = packet.time_s
+                    self._zero_s, part.later_s = packet.epoch_s, -packet.time_s
+                elif self._zero_s is not None and not came:
+                    part.later_s = packet.epoch_s - packet.time_s - self._zero_s
+                came = True
+                part.place(packet)
                 packet.is_before = self._zero_s is None
-                packet.time_s -= self._zero_s or 0.0
                 if self._keeps and not packet.is_before:
-                    self._kept.put(packet.time_s, line)
+                    part.kept.put(packet.time_s, line)
                 yield packet
         except TsharkError as error:
-            self.warning = damage(self._capture, error, came)
+            self.warning = "; ".join(filter(None, [self.warning, damage(capture, error, came)]))
 
-    def _lines(self) -> Iterator[str]:
-        """Return the rows of all packets, and prepare for their columns."""
-        arguments = ["-r", str(self._capture), "-2", *self._preferences]
+    def _lines(self, capture: Path) -> Iterator[str]:
+        """Return the rows of all packets of a capture, and prepare for their columns."""
+        arguments = ["-r", str(capture), "-2", *self._preferences]
         self._known, lines = told(self._tshark, arguments, sorted(self._fields, key=lambda name: name not in self._own))
         if NECESSARY not in self._known:
             raise TsharkError(NO_DISSECTOR)

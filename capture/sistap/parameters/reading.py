@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 from sistap.accesses.access import FIELD, Access, accesses
 from sistap.accesses.listing import Place
-from sistap.captures.joining import Joined, portions, together
+from sistap.captures.joining import Joined, together
+from sistap.captures.portions import portions
 from sistap.wireshark import rows
 from sistap.wireshark.rows import damage
 from sistap.wireshark.tshark import Tshark, TsharkError

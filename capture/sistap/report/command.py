@@ -6,11 +6,13 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
 from sistap.captures import since
-from sistap.captures.joining import check_captures, in_order, together
+from sistap.captures.joining import check_captures, in_order
+from sistap.captures.portions import in_turn
 from sistap.captures.reading import NotCaptured
 from sistap.captures.since import Since
 from sistap.common.writing import Incomplete, NotOpened, opened
@@ -52,6 +54,9 @@ exit status:
   1  failed while running: tshark or the plugin is missing; disk full
   2  wrong usage, a CAPTURE that cannot be read or a FILE that cannot be written
 """
+
+# Bytes of captures that are read at once: tshark needs up to three times as much memory. So it needs about 1 GB.
+_TOGETHER = 400_000_000
 
 
 class Format(NamedTuple):
@@ -203,14 +208,14 @@ def _gather(args: argparse.Namespace, console: Console, left_out: _Noting, *, ha
     captures, since_s = in_order(args.captures), -math.inf
     if args.since:
         captures, since_s = since.recent(captures, args.since)
-    with Tshark() as tshark, together(captures, left_out) as joined:
+    several = f"{len(captures)} files, {captures[0].name} to {captures[-1].name}"
+    name = several if len(captures) > 1 else captures[0].name
+    progress(f"reading {name}")
+    with Tshark() as tshark, closing(in_turn(captures, _TOGETHER, left_out)) as files:
         report = gather(
-            tshark, joined.path, args.window, progress, limits_ms, since_s, args.thresholds, has_windows=has_windows
+            tshark, files, args.window, progress, limits_ms, since_s, args.thresholds, has_windows=has_windows
         )
-    report.left_out = left_out.noted
-    if len(captures) > 1:
-        report.name = visible(f"{len(captures)} files, {captures[0].name} to {captures[-1].name}")
-        report.files = len(captures)
+    report.name, report.files, report.left_out = visible(name), len(captures), left_out.noted
     if console.shows_progress:
         console.progress("")
     if report.warning:

@@ -209,12 +209,7 @@ class Figures:
         silences = [(one.silence.time_s, packet) for packet, one in zip(packets, telegrams, strict=True) if one.silence]
         if silences:
             self.silences.add(*zip(*silences, strict=True))
-        # In the first second it is the load of a shorter time, 100 % to begin with.
-        loads = [
-            one.load_percent
-            for packet, one in zip(packets, telegrams, strict=True)
-            if one.load_percent is not None and packet.time_s >= 1
-        ]
+        loads = [one.load_percent for one in telegrams if one.load_percent is not None]
         if loads:
             self.slices.add_load(at, max(loads))
 

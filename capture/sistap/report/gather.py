@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import MappingProxyType
 
+from sistap.captures.portions import Portion
 from sistap.common.garbage import uncollected
 from sistap.episodes.engine import Engine
 from sistap.episodes.episode import Episode
@@ -19,7 +19,6 @@ from sistap.report import windows
 from sistap.report.figures import Figures
 from sistap.report.unjudged import unjudged
 from sistap.report.windows import Window
-from sistap.terminal.console import visible
 from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
@@ -29,13 +28,13 @@ _PROGRESS_EVERY = 5000  # packets
 class Report:
     """All that is known of a capture, before it is put into words and pictures."""
 
-    name: str  # of the capture
     figures: Figures
     episodes: list[Episode]
     windows: list[Window]
     missing: list[str]  # fields that the installed dissector does not know
     warning: str  # what tshark said of a capture that is cut
     limits_ms: Mapping[str, int]  # tza and trs, where the person who asks tells them
+    name: str = ""  # of the capture
     files: int = 1  # read as one
     left_out: list[str] = field(default_factory=list)  # files, or parts of them, that could not be read
 
@@ -48,7 +47,7 @@ class Report:
 
 def gather(  # noqa: PLR0913 - each comes from another part
     tshark: Tshark,
-    capture: Path,
+    captures: Iterable[Portion],
     asked: Sequence[Window],
     progress: Callable[[str], None],
     limits_ms: Mapping[str, int] = MappingProxyType({}),
@@ -57,16 +56,15 @@ def gather(  # noqa: PLR0913 - each comes from another part
     *,
     has_windows: bool = True,
 ) -> Report:
-    """Read a capture; `asked` are the windows that a person wants to see, `limits_ms` those to judge by. What came
-    before `since_s` only tells what is usual. Without windows, nothing is kept for them.
+    """Read captures as one; `asked` are the windows that a person wants to see, `limits_ms` those to judge by. What
+    came before `since_s` only tells what is usual. Without windows, nothing is kept for them.
 
     NotACapture, TsharkError, Incomplete.
     """
     figures, engine = Figures(), Engine(thresholds=thresholds)
     preferences = {f"sis.{name}_ms": value for name, value in limits_ms.items()}
-    dissecting = Dissection(tshark, capture, preferences=preferences, keeps=has_windows, since_s=since_s)
+    dissecting = Dissection(tshark, captures, preferences=preferences, keeps=has_windows, since_s=since_s)
     with dissecting as dissection, uncollected():
-        progress(f"reading {capture}")
         for packet in dissection.packets():
             engine.add(packet)
             if packet.is_before:
@@ -81,4 +79,4 @@ def gather(  # noqa: PLR0913 - each comes from another part
             progress(f"{figures.packets} packets read; reading the worst of them once more")
             windows.fill(dissection, shown)
     said = dissection.missing, dissection.warning, limits_ms
-    return Report(visible(capture.name), figures, episodes, shown, *said)
+    return Report(figures, episodes, shown, *said)

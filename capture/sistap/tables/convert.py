@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import sistap
+from sistap.captures.portions import Portion
 from sistap.common.garbage import uncollected
 from sistap.episodes.rules import Thresholds
 from sistap.packets.dissection import Dissection, Packet
@@ -39,7 +40,7 @@ def put(  # noqa: PLR0913 - each comes from another part
             console.say(f"{capture}: is in the tables")
         if is_known and is_judged:
             continue
-        with Dissection(tshark, capture, FIELDS, keeps=False) as dissection, uncollected():
+        with Dissection(tshark, [Portion(capture)], FIELDS, keeps=False) as dissection, uncollected():
             packets = judging.packets(_told(dissection, capture, console), capture.name)
             if is_known:
                 deque(packets, maxlen=0)

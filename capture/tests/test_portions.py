@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`sistap report` of files too large to be read together: all is as if they were, but for what a seam divides."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, cast
+
+import planted
+import pytest
+
+from sistap import cli
+from sistap.captures import reading
+from sistap.captures.portions import Portion, in_turn
+from sistap.captures.reading import NotCaptured
+from sistap.files import pcapng
+from sistap.files.output import Limits, Output
+from sistap.files.writer import PcapngWriter
+from sistap.packets.dissection import Dissection
+from sistap.packets.kept import Span
+from sistap.records.counters import Counters
+from sistap.report import command
+from sistap.wireshark.tshark import Tshark
+
+PORT = pcapng.Interface(252, "bus")
+PIECES = 6
+
+
+def pieces(night: Path, folder: Path) -> list[Path]:
+    """Cut a capture between any two packets. No file says what was told before."""
+    heading = [pcapng.section_header("", ""), pcapng.interface_description(PORT)]
+    packets = list(reading.packets(night))
+    ends = [len(packets) * number // PIECES for number in range(PIECES + 1)]
+    files = [folder / f"piece-{number}.pcapng" for number in range(PIECES)]
+    for file, (begin, end) in zip(files, pairwise(ends), strict=True):
+        blocks = [pcapng.enhanced_packet(0, one.time_ns or 0, one.data) for one in packets[begin:end]]
+        file.write_bytes(b"".join([*heading, *blocks]))
+    return files
+
+
+def ring(night: Path, folder: Path) -> list[Path]:
+    """Write a capture again, as several files. Each but the first begins with what was told before."""
+    output = Output(str(folder / "ring.pcapng"), Limits(size=night.stat().st_size // PIECES, several=True))
+    first, *rest = reading.records(night)
+    writer = PcapngWriter(output, {0: PORT}, Counters())
+    writer.begin(first)
+    for record in rest:
+        writer.write(record)
+    output.close()
+    return sorted(folder.iterdir())
+
+
+@pytest.fixture(scope="module")
+def night(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return planted.play(tmp_path_factory.mktemp("night") / "night.pcapng")
+
+
+@pytest.fixture(params=[pieces, ring])
+def files(night: Path, tmp_path: Path, request: pytest.FixtureRequest) -> list[Path]:
+    found: list[Path] = request.param(night, tmp_path)
+    return found
+
+
+def reported(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> dict[str, Any]:
+    capsys.readouterr()
+    assert cli.main(["report", "--format", "json", *map(str, arguments)]) == 0
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return found
+
+
+def happened(report: Mapping[str, Any]) -> list[Sequence[Any]]:
+    """Return what a seam cannot change: a silence may have a command less."""
+    names = ("kind", "severity", "station", "parameter", "from", "to", "packets")
+    return [[one[name] for name in names] for one in report["episodes"]]
+
+
+@pytest.mark.parametrize("options", [[], ["--since", "2026-03-14T21:03:00Z", "--window", "1+2"]])
+def test_portions_are_judged_as_one(
+    files: list[Path], options: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = reported(capsys, *options, *files)
+    monkeypatch.setattr(command, "_TOGETHER", 1)
+    cut = reported(capsys, *options, *files)
+    assert happened(whole)
+    assert happened(cut) == happened(whole)
+    for name in ("capture", "packets", "records", "telegrams", "not_judged"):
+        assert cut[name] == whole[name]
+    for one, other in zip(cut["events"], whole["events"], strict=True):
+        assert one == other | {"time_s": pytest.approx(other["time_s"], abs=1e-5)}
+    assert cut["duration_s"] == pytest.approx(whole["duration_s"], abs=1e-5)
+    # Limits that were set before a seam hold after it. What was divided by it is not judged.
+    for name, most in (("tza", 0), ("trs", len(files))):
+        assert all(0 <= whole["limits"][name][of] - cut["limits"][name][of] <= most for of in ("ok", "no_limit"))
+    assert len(cut["windows"]) == len(whole["windows"]) > 0
+    for one, other in zip(cut["windows"], whole["windows"], strict=True):
+        assert one["packets"] == other["packets"]
+        assert one["start_s"] == pytest.approx(other["start_s"], abs=1e-5)
+
+
+class OneAfterTheOther:
+    """tshark, each time with the next rows."""
+
+    def __init__(self, *runs: Sequence[Mapping[str, str]]) -> None:
+        self._runs = iter(runs)
+
+    def lines(self, arguments: Sequence[str]) -> Iterator[str]:
+        names = arguments[-1].removeprefix("sis,rows,").split(",")
+        rows = [[row.get(name, "") for name in names] for row in next(self._runs)]
+        return iter(["\t".join(row) for row in (names, *rows)])
+
+
+def row(number: int, epoch_s: float, second: float, **own: str) -> dict[str, str]:
+    named = {name.replace("__", "."): text for name, text in own.items()}
+    return {"frame.number": str(number), "frame.time_epoch": str(epoch_s), "frame.time_relative": str(second)} | named
+
+
+def test_numbers_and_seconds_go_on() -> None:
+    """What was told before is counted nowhere. The load of less than a second is none."""
+    command = row(2, 50.25, 0.25, sis__start="2", sis__bus__load="90")
+    reaction = row(3, 52.5, 2.5, sis__start="2", sis__bus__load="40", sis__command_in="2")
+    before = row(1, 50.0, 0.0, sertap__type="2", sertap__event="7", sertap__text="all TrS 50 ms")
+    tshark = OneAfterTheOther([row(1, 10.0, 0.0), row(2, 20.0, 10.0)], [before, command, reaction])
+    portions = [Portion(Path("a")), Portion(Path("b"), told=1)]
+    with Dissection(cast(Tshark, tshark), portions) as dissection:
+        read = list(dissection.packets())
+        again = list(dissection.again([Span(41.0, 43.0)]))
+    assert [(packet.number, packet.time_s) for packet in read] == [(1, 0.0), (2, 10.0), (3, 40.25), (4, 42.5)]
+    assert again == read[3:]
+    first, second = (packet.telegrams[0] for packet in read[2:])
+    assert (first.load_percent, second.load_percent) == (None, 40.0)
+    assert second.command_in == 3
+
+
+def test_a_foreign_file_is_told_before_anything_is_read(night: Path, tmp_path: Path) -> None:
+    foreign = tmp_path / "foreign.pcap"
+    foreign.write_bytes(b"\xd4\xc3\xb2\xa1" + bytes(20))
+    with pytest.raises(NotCaptured, match="foreign.pcap cannot be read with others"):
+        next(in_turn([night, foreign], 1, pytest.fail))
+
+
+def test_files_that_are_deleted_meanwhile_are_told(night: Path, tmp_path: Path) -> None:
+    first, second, third = pieces(night, tmp_path)[:3]
+    said: list[str] = []
+    portions = in_turn([first, second, third], 1, said.append)
+    next(portions)
+    second.unlink()
+    assert next(portions).told > 0
+    assert next(portions, None) is None
+    assert [text.partition(":")[0] for text in said] == [str(second)]
