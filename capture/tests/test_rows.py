@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -53,6 +55,29 @@ def test_no_text_of_a_capture_makes_a_row_a_column_or_a_value(tshark: Tshark, tm
     capture = write(tmp_path / "x.pcapng", [], started=hostile)
     _, rows = told(tshark, asked(capture), ["sertap.text", "sertap.type"])
     assert [row.split("\t") for row in rows] == [[visible(hostile), "2"]]
+
+
+@pytest.mark.attack("`-z sis,rows` of strange fields: named again, without a value, thousands", "nothing breaks down")
+def test_strange_fields(tshark: Tshark) -> None:
+    """The capture has a `text` that stands for no bytes."""
+    names = ["frame.number", "text", "frame.number", "sis.service", "sis.service", "", "\x1b", *["sis.x"] * 5000]
+    known, rows = told(tshark, ["-r", str(CAPTURES / "tcp.pcapng")], names)
+    assert known == ["frame.number", "text", "sis.service"]
+    assert next(rows) == "1\t\t0x03"
+
+
+@pytest.mark.attack("the disk is full, in `-z sis,rows`", "a line says that rows are missing")
+def test_a_full_disk(full: Path) -> None:
+    words = ["-q", "-r", str(CAPTURES / "tcp.pcapng"), "-z", "sis,rows,frame.number"]
+    with full.open("w") as stdout:
+        done = subprocess.run(
+            [sys.executable, "-m", "sistap.wireshark", *words],
+            stdout=stdout,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert "sis,rows: rows are missing in standard output: No space left on device" in done.stderr
 
 
 def test_a_cut_capture_says_so_after_its_last_row(tshark: Tshark, tmp_path: Path) -> None:

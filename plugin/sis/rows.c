@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* A row for each packet (`tshark -q -z sis,rows,FIELD,FIELD...`): as `-T fields -E header=y -E
  * aggregator=/x1f` prints it, but only these fields are made, and nothing is put into words. A field that
- * nobody knows is left out. */
+ * nobody knows, or that is named again, is left out. */
 #include "parts.h"
 
+#include <errno.h>
 #include <stdio.h>
 
 #include <epan/epan_dissect.h>
@@ -26,8 +27,8 @@ typedef struct {
 } column_t;
 
 typedef struct {
-    GHashTable *columns; /* by field, of those that come from the tree */
-    GPtrArray *row;      /* all of them */
+    GHashTable *columns; /* by field */
+    GPtrArray *row;      /* the same, in their order */
     GString *line;       /* as it is printed, at once: each call of stdio takes a lock */
     epan_dissect_t *packet;
 } rows_t;
@@ -187,10 +188,11 @@ add_values(proto_node *node, void *data)
 
     if (field != NULL)
         column = g_hash_table_lookup(rows->columns, GINT_TO_POINTER(field->hfinfo->id));
-    if (column != NULL) {
+    if (column != NULL && column->say == NULL) {
         char *value = get_node_field_value(field, rows->packet);
 
-        append_value(column->text, value);
+        if (value != NULL) /* Wireshark has none for a text that stands for no bytes */
+            append_value(column->text, value);
         g_free(value);
     }
     proto_tree_children_foreach(node, add_values, rows);
@@ -230,6 +232,13 @@ packet(void *data, packet_info *pinfo, epan_dissect_t *edt, const void *tapped _
     return TAP_PACKET_DONT_REDRAW;
 }
 
+static void
+finish(void *data _U_)
+{
+    if (fflush(stdout) != 0 || ferror(stdout))
+        fprintf(stderr, NAME ": rows are missing in standard output: %s\n", g_strerror(errno));
+}
+
 /* The filter holds for every packet. It names the fields that the tree must have, so that they are made. */
 static void
 want(GString *filter, const char *name)
@@ -245,15 +254,14 @@ add_column(rows_t *rows, const char *name, GString *filter)
     const header_field_info *field = proto_registrar_get_byname(name);
     column_t *column;
 
-    if (field == NULL)
+    if (field == NULL || g_hash_table_contains(rows->columns, GINT_TO_POINTER(field->id)))
         return;
     column = g_new(column_t, 1);
     *column = (column_t){find_plain(name), g_string_new(name)};
     g_ptr_array_add(rows->row, column);
-    if (column->say != NULL)
-        return;
     g_hash_table_insert(rows->columns, GINT_TO_POINTER(field->id), column);
-    want(filter, name);
+    if (column->say == NULL)
+        want(filter, name);
 }
 
 static void
@@ -266,7 +274,7 @@ listen(rows_t *rows, char *const *names)
         add_column(rows, *names, filter);
     write_row(rows);
     error = register_tap_listener("frame", rows, filter->len > 0 ? filter->str : NULL, TL_REQUIRES_PROTO_TREE,
-                                  NULL, packet, NULL, free_rows);
+                                  NULL, packet, finish, free_rows);
     g_string_free(filter, TRUE);
     if (error == NULL)
         return;
