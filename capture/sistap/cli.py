@@ -15,7 +15,14 @@ from typing import NoReturn
 
 import sistap
 from sistap.line.reader import PortError, PortLost
-from sistap.terminal.console import Console, end_standard_output, is_reader_gone, leave_standard_output, visible
+from sistap.terminal.console import (
+    Console,
+    end_standard_output,
+    incomplete,
+    is_reader_gone,
+    leave_standard_output,
+    visible,
+)
 from sistap.terminal.exits import DONE, FAILED, PORT, USAGE
 from sistap.terminal.stop import Stop, Stopped
 
@@ -102,9 +109,9 @@ def _failed(error: Exception) -> int:
 
 
 def _words(error: OSError) -> str:
-    """Describe an error. Commands catch those of their files: a full disk without a name has what they print."""
-    is_full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG) and error.filename is None
-    return f"standard output is incomplete: {error.strerror}; make room" if is_full else str(error)
+    """Describe an error. Commands catch those of their files: one without a name is of what they print."""
+    is_of_output = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EBADF) and error.filename is None
+    return incomplete(error) if is_of_output else str(error)
 
 
 def _stopped(stop: Stop) -> int:
@@ -183,9 +190,10 @@ def _open_standard_streams() -> None:
     while (descriptor := os.open(os.devnull, os.O_RDONLY)) <= 2:
         pass
     os.close(descriptor)
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for as long as the process lives
+    if sys.stdout is None:  # programs with windows have none on Windows
+        sys.stdout = open(1 if sys.platform != "win32" else os.devnull, "w")  # noqa: SIM115 - while the process lives
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115 - the same
 
 
 def examples(text: str, system: str = "") -> str:

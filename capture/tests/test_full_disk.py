@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A full disk in every command that writes: one line with the cure, exit code 1, and nothing half written."""
+"""A full disk or a closed output in every command: one line with the cure, exit code 1, nothing half written."""
 
 from __future__ import annotations
 
@@ -100,6 +100,15 @@ def test_what_is_printed(words: Words, folder: Path, full: Path) -> None:
     line = run(folder, words, full)
     assert line.startswith("sistap") and "standard output" in line and "No space left on device" in line
     assert "make room" in line or "everything before it is saved" in line
+
+
+@pytest.mark.attack("standard output is closed, in each command that prints", "exit code 1, and a line says so")
+@pytest.mark.parametrize("words", PRINTING, ids=name)
+def test_what_is_printed_nowhere(words: Words, folder: Path) -> None:
+    command = ["sh", "-c", 'exec "$@" >&-', "sh", sys.executable, "-m", "sistap", *map(str, words)]
+    done = subprocess.run(command, cwd=folder, stderr=subprocess.PIPE, text=True, check=False, timeout=TIMEOUT_S)
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1), done.stderr
+    assert "standard output is closed" in done.stderr
 
 
 @FULL

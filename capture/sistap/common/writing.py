@@ -16,7 +16,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from sistap.terminal.console import STANDARD_OUTPUT, is_reader_gone, leave_standard_output
+from sistap.terminal.console import STANDARD_OUTPUT, incomplete, is_reader_gone, leave_standard_output
 from sistap.terminal.state import HeldOpenError, closed
 from sistap.terminal.stop import held
 from sistap.terminal.writing import WINDOWS_PIPES, is_locked, mode_like, no_link
@@ -148,4 +148,4 @@ def _standard_output(cure: str) -> Iterator[None]:
         if is_reader_gone(error):
             raise  # needs no message
         leave_standard_output()
-        raise Incomplete(f"standard output is incomplete: {error.strerror}; make room, or {cure}") from None
+        raise Incomplete(incomplete(error, cure)) from None
