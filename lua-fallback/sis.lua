@@ -8182,10 +8182,15 @@ do
     row.packet = strformat("%d", packet.number)
   end
 
+  -- A drive names its parameters: what it says must not look like the line between two columns.
+  local function cell(text)
+    return (gsub(text, "|", "¦"))
+  end
+
   local function parameter_row(row)
     return strformat("%-4s |%-7s |%-6s |%-9s |%-4s |%-4s |%5d |%6d |%6d |%5s |%4s |%5s |%8s |%5d |%10s |%9s |",
-      row.line, row.station, row.device, row.parameter, row.name, row.unit, row.reads, row.writes, row.errors,
-      row.first, row.last, row.least, row.greatest, row.raw, row.by, row.packet)
+      row.line, row.station, row.device, row.parameter, cell(row.name), cell(row.unit), row.reads, row.writes,
+      row.errors, cell(row.first), cell(row.last), cell(row.least), cell(row.greatest), row.raw, row.by, row.packet)
   end
 
   kinds.parameters = {

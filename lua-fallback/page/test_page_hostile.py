@@ -10,17 +10,20 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from report_capture import Sent, write
 
 from chromium import Chromium
 from make import HERE as CAPTURES
 from sistap.files import pcapng
 from sistap.line.settings import LineSettings
 from sistap.records.record import Event, event
+from sistap.sis.telegram import build
 
 PAGE = Path(__file__).parent
 IMAGE = "<img src=x onerror=alert(1)>"
 FORMULAS = ['=HYPERLINK("x")', "@SUM(1)", "-1+1|cmd", "+1+cmd|' /C calc'!A0", "\t=1", "\r=1"]
 HONEST = ["-12.5 mm/min", "+1", "-3e-05", "-40 °C", "S-0-0036", "", "3 - 2"]
+TROUBLE = "document.querySelector('#trouble').textContent"
 TOO_MUCH = "This file is damaged, or needs more memory than a page has: open it in Wireshark itself"
 
 
@@ -50,7 +53,18 @@ def test_tiny_packets() -> None:
 
 @pytest.mark.attack("page: a file named like those that its commands write, like an option or a path", "another name")
 def test_names_of_files(found: dict[str, Any]) -> None:
-    assert found["names"] == ["log_.pcapng", "imported_.pcapng", "_w.txt", "__.._x", "_", "_img src_x_.log", "file"]
+    """What they write begins with a point."""
+    assert found["names"] == ["_log.pcapng", "_changes.csv", "_w.txt", "__.._x", "_", "_img src_x_.log", "file"]
+
+
+@pytest.mark.attack("page: control characters and Unicode direction marks in names of files", "visible escapes")
+def test_names_that_are_shown(found: dict[str, Any]) -> None:
+    assert found["shown"] == [r"a\u202eb\u000a\u001b\ufeff\ue0001\u00a0c", "Presse läuft 3.pcapng"]
+
+
+@pytest.mark.attack("page: a cell of ten million characters", "read")
+def test_a_long_cell(found: dict[str, Any]) -> None:
+    assert found["long"] == 10_000_000
 
 
 def test_what_a_table_was_is_what_it_is_read_as(found: dict[str, Any]) -> None:
@@ -84,6 +98,17 @@ def chromium(window: Chromium, page: Path) -> Chromium:
     return window
 
 
+def changes(name: bytes) -> list[Sent]:
+    """Make telegrams that read the name of a parameter and write it twice."""
+    sent = [build(0x10, 16, 3, b"\x14\x05\0\0\0"), build(0x10, 16, 3, b"\0\x14\x05" + name, reaction=True)]
+    for value in (1, 2):
+        sent += [
+            build(0x1F, 16, 3, bytes([0x3C, 5, 0, 0, 0, value, 0])),
+            build(0x1F, 16, 3, b"\0\x3c\x05", reaction=True),
+        ]
+    return [Sent(telegram) for telegram in sent]
+
+
 def is_text(browser: Chromium, text: str) -> bool:
     assert browser.run("document.querySelector('img, [onerror]')") is None
     return bool(browser.run(f"document.body.textContent.includes({json.dumps(text)})"))
@@ -105,7 +130,7 @@ def test_html(chromium: Chromium, tmp_path: Path) -> None:
     for view in ("findings", "statistics", "packets"):
         chromium.run(f"location.hash = '#{view}'")
         chromium.until("document.querySelector('#busy').hidden")
-        assert is_text(chromium, IMAGE)
+        assert is_text(chromium, IMAGE) and not chromium.run(TROUBLE)
     log = tmp_path / f"{IMAGE}.log"
     log.write_text(f"{IMAGE}\n16.03.2026 09:00:00 {IMAGE} 02 D9 02 02 00 12 03 10 02 00\n{IMAGE}\n")
     chromium.choose("#chooser", log)
@@ -113,6 +138,35 @@ def test_html(chromium: Chromium, tmp_path: Path) -> None:
     assert is_text(chromium, f"{IMAGE}.log")
     chromium.run("location.hash = '#answer'")
     assert is_text(chromium, f"{IMAGE}.log")
+
+
+@pytest.mark.thorough
+@pytest.mark.attack("page: hostile names in Compare, Changes and Statistics", "shown as text, each in its own cell")
+def test_names_in_tables(chromium: Chromium, tmp_path: Path) -> None:
+    """One capture is named like the file that a command writes, the other one turns the direction of writing."""
+    name = f"={IMAGE}|1|\r\n\r\n"
+    captures = [
+        write(tmp_path / named, changes(name.encode())) for named in ("compared.html", f"a\u202e{IMAGE}\n.pcapng")
+    ]
+    chromium.choose("#chooser", captures[0])
+    chromium.until("location.hash === '#packets'")
+    for view, there in (
+        ("changes", "document.querySelector('[aria-label=Changes] td')"),
+        ("statistics", "document.querySelector('[aria-label=\"SIS parameters\"] td')"),
+        ("compare", "document.querySelector('[title=Comparison]').srcdoc"),
+    ):
+        chromium.run(f"location.hash = '#{view}'")
+        if view == "compare":
+            chromium.choose("#other", captures[1])
+        chromium.until(f"{there} || {TROUBLE}")
+        chromium.until("document.querySelector('#busy').hidden")
+        assert is_text(chromium, IMAGE) and not chromium.run(TROUBLE)
+    said = chromium.run("document.querySelector('[aria-labelledby=compare-title] [role=status]').textContent")
+    assert said == f"Good: a\\u202e{IMAGE}\\u000a.pcapng. Bad: compared.html."
+    rows = chromium.run(
+        "[...document.querySelectorAll('[aria-label=\"SIS parameters\"] tr')].map((row) => row.children.length)"
+    )
+    assert rows == [16, 16, 16]
 
 
 @pytest.mark.thorough

@@ -2,7 +2,7 @@
 // What the page does with hostile input, in parts that need no Wireshark. Prints JSON.
 
 import { isManifold } from "../src/dissect/pcapng.js";
-import { fileName } from "../src/front/files.js";
+import { fileName, visible } from "../src/front/files.js";
 import { asCsv, fromCsv } from "../src/front/csv.js";
 import { Peer, serve } from "../src/protocol.js";
 
@@ -39,7 +39,9 @@ async function afterwards(error) {
 
 process.stdout.write(JSON.stringify({
   cut: cutPackets(),
-  names: ["log.pcapng", "imported.pcapng", "-w.txt", "../../x", "..", "<img src=x>.log", ""].map(fileName),
+  names: [".log.pcapng", ".changes.csv", "-w.txt", "../../x", "..", "<img src=x>.log", ""].map(fileName),
+  shown: ["a\u202eb\n\u001b\ufeff\u{e0001}\u00a0c", "Presse läuft 3.pcapng"].map(visible),
+  long: fromCsv(`a,"${"x".repeat(10_000_000)}"\r\n`)[0][1].length,
   read: fromCsv(asCsv([JSON.parse(process.argv[2]), ['say "no"', "a,b", "two\r\nlines", "x"]])),
   csv: asCsv([JSON.parse(process.argv[2])]),
   broken: await afterwards(new WebAssembly.RuntimeError("Aborted(OOM)")),

@@ -6,7 +6,7 @@ import { button, element, plural, save, table } from "./dom.js";
 import { fileName } from "./files.js";
 import { callTap } from "./tap.js";
 
-const OUT = "changes.csv";
+const OUT = ".changes.csv";
 const HEAD = ["Time", "Master", "Station", "Parameter", "Name", "From", "To", "Packet"];
 const PARAMETER = HEAD.indexOf("Parameter"), PACKET = HEAD.indexOf("Packet");
 const MOST = 1000; // rows

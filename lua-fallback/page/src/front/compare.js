@@ -2,11 +2,11 @@
 // What `sistap compare` says of the capture that is open and of another one, of a time when all was well.
 
 import { element } from "./dom.js";
-import { captureOf, fileName } from "./files.js";
+import { captureOf, fileName, visible } from "./files.js";
 import { framed } from "./framed.js";
 import { callTap } from "./tap.js";
 
-const OUT = "compared.html";
+const OUT = ".compared.html";
 
 // Returns the page of sistap; a side is {name, bytes}. `options` are those of callTap.
 export async function compared(good, bad, options) {
@@ -38,9 +38,9 @@ export function compareView(capture, { showing }) {
       element("p", {}, chooser, element("label", { htmlFor: "other", className: "button large" }, "Choose the other capture")), said, page.bar), page.frame);
 
   const read = (file) => showing(async () => {
-    const bytes = new Uint8Array(await file.arrayBuffer());
-    const { made } = await captureOf(capture, file.name, bytes);
-    other = { name: file.name, bytes: made };
+    const name = visible(file.name), bytes = new Uint8Array(await file.arrayBuffer());
+    const { made } = await captureOf(capture, name, bytes);
+    other = { name, bytes: made };
     await run();
   });
 

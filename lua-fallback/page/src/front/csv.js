@@ -11,7 +11,7 @@ export const asCsv = (rows) => rows.map((row) => `${row.map((cell) => quoted(saf
 // Returns rows of texts.
 export function fromCsv(text) {
   const rows = [[]];
-  for (const [, inQuotes, plain, end] of text.matchAll(/(?:"((?:[^"]|"")*)"|([^",\r\n]*))(,|\r?\n|$)/g)) {
+  for (const [, inQuotes, plain, end] of text.matchAll(/(?:"([^"]*(?:""[^"]*)*)"|([^",\r\n]*))(,|\r?\n|$)/g)) {
     rows.at(-1).push((inQuotes?.replaceAll('""', '"') ?? plain).replace(/^'(?=[=+\-@\t\r])/, ""));
     if (end !== ",") rows.push([]);
   }

@@ -9,7 +9,7 @@ const CAPTURES = ["0a0d0d0a", "d4c3b2a1", "a1b2c3d4", "4d3cb2a1", "a1b23c4d"];
 const PACKED = "1f8b"; // gzip: Wireshark unpacks it
 const PASTED = "pasted telegrams";
 const FIRST = 2; // packet 1 of a log is an event
-const IMPORTED = "imported.pcapng";
+const IMPORTED = ".imported.pcapng";
 
 const head = (bytes) => Array.from(bytes.subarray(0, 4), (byte) => byte.toString(16).padStart(2, "0")).join("");
 
@@ -51,5 +51,8 @@ async function imported(capture, name, bytes, words) {
   return written[IMPORTED];
 }
 
-// A name that is safe in a folder of its own, beside options and beside what is written there.
-export const fileName = (name) => name.replace(/[^\w .-]/g, "_").replace(/^[-.]+/, "_").replace(/^(imported|log)(?=[.]pcapng$)/, "$1_") || "file";
+// A name that is safe in a folder of its own, beside options and beside what is written there: that begins with a point.
+export const fileName = (name) => name.replace(/[^\w .-]/g, "_").replace(/^[-.]+/, "_") || "file";
+
+// A name as sistap shows it: escapes for what nobody sees, and for what turns the direction of the words after it.
+export const visible = (name) => name.replace(/[\p{C}\p{Zl}\p{Zp}]|(?! )\p{Zs}/gu, (one) => `\\u${one.codePointAt(0).toString(16).padStart(4, "0")}`);

@@ -12,7 +12,7 @@ import { curveView } from "./curve.js";
 import { about, askImport, askLimits, askPattern } from "./dialogs.js";
 import { button, element, find } from "./dom.js";
 import { exportDialog } from "./export.js";
-import { importBytes, openBytes, openPasted } from "./files.js";
+import { importBytes, openBytes, openPasted, visible } from "./files.js";
 import { FilterBar } from "./filter.js";
 import { findingsView } from "./findings.js";
 import { followView, streamOf } from "./follow.js";
@@ -65,8 +65,9 @@ const opening = (work, { stays = false } = {}) => showing(async () => {
 
 // One capture is open at a time.
 const openFiles = ([file, ...others]) => file && opening(async () => {
-  await openBytes(capture, file.name, new Uint8Array(await file.arrayBuffer()));
-  if (others.length) capture.note(`Only ${file.name} is open. Compare takes a second one.`);
+  const name = visible(file.name);
+  await openBytes(capture, name, new Uint8Array(await file.arrayBuffer()));
+  if (others.length) capture.note(`Only ${name} is open. Compare takes a second one.`);
 });
 
 const goTo = (number) => showing(async () => {

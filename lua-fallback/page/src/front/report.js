@@ -10,7 +10,7 @@ const LIMITS = { "sis.tza_ms": "--tza", "sis.trs_ms": "--trs" }; // preferences 
 
 // Returns a report in a format of sistap, as bytes. `options` are those of callTap.
 export async function reported(capture, format, options) {
-  const file = fileName(capture.bytesName), out = `report.${format}`;
+  const file = fileName(capture.bytesName), out = `.report.${format}`;
   const limits = Object.entries(LIMITS).flatMap(([name, option]) => {
     const limit = Number(capture.preferences[name] ?? 0);
     return limit ? [option, String(limit)] : [];

@@ -11,7 +11,7 @@ const FILTERS = { Station: "sis.station", Talker: "sis.talker" }; // what a numb
 function parsed(text) {
   return text.split("\n\n").map((block) => block.trim()).filter(Boolean).map((block) => {
     const [title, ...lines] = block.split("\n");
-    const rows = lines[0].includes("|") ? lines.map(barred) : /^Index /.test(lines[0]) ? lines.map(spaced) : [["", "Count"], ...lines.map(indented)];
+    const rows = lines[0]?.includes("|") ? lines.map(barred) : /^Index /.test(lines[0]) ? lines.map(spaced) : [["", "Count"], ...lines.map(indented)];
     return { title: title.replace(/:$/, ""), rows };
   });
 }

@@ -3,7 +3,7 @@
 
 import { Tables } from "./rows.js";
 
-const CAPTURE = "log.pcapng";
+const CAPTURE = ".log.pcapng";
 const LIBRARY = "/lib/sistap", WORK = "/work";
 // Pyodide's list of packages: none are needed.
 const NO_PACKAGES = {
