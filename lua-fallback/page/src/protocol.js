@@ -30,9 +30,10 @@ export function serve(handlers, port = self) {
 
 const TOO_MUCH = "This file is damaged, or needs more memory than a page has: open it in Wireshark itself";
 
-// Whether a program of WebAssembly cannot go on after it: a trap, abort() or exit() of C, no room for its stack.
+// Whether a program of WebAssembly cannot go on after it: a trap, abort() or exit() of C, no room for its stack or in its
+// memory. What came through Python has only its text.
 const isFatal = (error, text) => error instanceof WebAssembly.RuntimeError || error?.name === "ExitStatus" ||
-  /fatally failed|call stack|too much recursion/.test(text);
+  /^(RuntimeError|ExitStatus): |^MemoryError|fatally failed|call stack|too much recursion/.test(text);
 
 class Task {
   constructor(tell) {

@@ -5,6 +5,7 @@ import { isManifold } from "../src/dissect/pcapng.js";
 import { fileName, visible } from "../src/front/files.js";
 import { asCsv, fromCsv } from "../src/front/csv.js";
 import { Peer, serve } from "../src/protocol.js";
+import { Sistap } from "../src/tap/sistap.js";
 
 const blocks = (...numbers) => new Uint8Array(Uint32Array.from(numbers.flat()).buffer);
 const SECTION = [0x0a0d0d0a, 28, 0x1a2b3c4d, 1, -1, -1, 28], ARCNET = [1, 20, 7, 0, 20];
@@ -17,17 +18,26 @@ function cutPackets() {
   });
 }
 
-// A worker in this process. Its calls are those of a Wireshark that breaks down, or that only refuses.
-function brokenPeer(error) {
+// A sistap whose Wireshark breaks down.
+function brokenSistap(text) {
+  const run = () => { throw new Error(`Traceback (most recent call last):\n  File "<exec>", line 9, in run\n${text}\n`); };
+  const FS = { readdir: () => [] }, globals = { get: () => Object.assign(run, { destroy() {} }) };
+  return Object.assign(new Sistap(), { python: { FS, globals } });
+}
+
+// A worker in this process. Its calls are those of a Wireshark or a sistap that breaks down, or that only refuses.
+function brokenPeer(open) {
   const worker = { terminate: () => (worker.isTerminated = true), postMessage: (data) => port.onmessage({ data }) };
   const port = { postMessage: (data) => queueMicrotask(() => worker.onmessage({ data })) };
   const peer = new Peer(worker);
-  serve({ open() { throw error; }, rows: () => new Promise(() => {}) }, port);
+  serve({ open, rows: () => new Promise(() => {}) }, port);
   return { peer, worker };
 }
 
-async function afterwards(error) {
-  const { peer, worker } = brokenPeer(error);
+const throwing = (error) => () => { throw error; };
+
+async function afterwards(open) {
+  const { peer, worker } = brokenPeer(open);
   let told = 0;
   peer.onbroken = () => told++;
   const failing = (name) => peer.call(name).then(() => "answered", (trouble) => trouble.message);
@@ -44,7 +54,9 @@ process.stdout.write(JSON.stringify({
   long: fromCsv(`a,"${"x".repeat(10_000_000)}"\r\n`)[0][1].length,
   read: fromCsv(asCsv([JSON.parse(process.argv[2]), ['say "no"', "a,b", "two\r\nlines", "x"]])),
   csv: asCsv([JSON.parse(process.argv[2])]),
-  broken: await afterwards(new WebAssembly.RuntimeError("Aborted(OOM)")),
-  stack: await afterwards(new RangeError("Maximum call stack size exceeded")),
-  refused: await afterwards(new RangeError("Array buffer allocation failed")),
+  broken: await afterwards(throwing(new WebAssembly.RuntimeError("Aborted(OOM)"))),
+  stack: await afterwards(throwing(new RangeError("Maximum call stack size exceeded"))),
+  sistap: await afterwards(() => brokenSistap("pyodide.ffi.JsException: RuntimeError: Aborted(OOM)").command()),
+  memory: await afterwards(() => brokenSistap("MemoryError").command()),
+  refused: await afterwards(throwing(new RangeError("Array buffer allocation failed"))),
 }));

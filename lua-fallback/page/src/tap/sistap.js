@@ -64,6 +64,8 @@ export class Sistap {
       const code = run(words);
       const there = wanted.filter((name) => FS.analyzePath(`${WORK}/${name}`).exists);
       return { code, said: this.said, written: Object.fromEntries(there.map((name) => [name, FS.readFile(`${WORK}/${name}`)])) };
+    } catch (error) {
+      throw new Error(said(error));
     } finally {
       run.destroy();
       this.tidy();
