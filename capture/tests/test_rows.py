@@ -98,6 +98,15 @@ def test_what_is_no_capture_is_refused(tshark: Tshark, tmp_path: Path) -> None:
     assert is_no_capture(raised.value)
 
 
+def test_a_capture_without_interfaces(tshark: Tshark, tmp_path: Path) -> None:
+    """In the older format, packets have none."""
+    old = tmp_path / "x.pcap"
+    subprocess.run(["editcap", "-F", "pcap", str(CAPTURES / "accesses.pcapng"), str(old)], check=True)
+    names = ["frame.interface_name", "sis.service"]
+    known, rows = told(tshark, asked(old), names)
+    assert (known, list(rows)) == (names, printed(tshark, old, names))
+
+
 def test_a_browser_has_no_tap(monkeypatch: pytest.MonkeyPatch) -> None:
     """There the names stand before the rows, too."""
 
