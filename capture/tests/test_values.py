@@ -14,8 +14,10 @@ import threading
 import time
 import types
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any
 
 import pytest
@@ -130,6 +132,7 @@ class Server(HTTPServer):
     def __init__(self) -> None:
         super().__init__(("127.0.0.1", 0), Answering)
         self.answers = [204]  # the last one stays
+        self.elsewhere = ""
         self.heard: list[tuple[str, str | None, str]] = []
 
     @property
@@ -145,6 +148,8 @@ class Answering(BaseHTTPRequestHandler):
         self.server.heard.append((self.path, self.headers["Authorization"], said))
         answers = self.server.answers
         self.send_response(answers.pop(0) if len(answers) > 1 else answers[0])
+        if self.server.elsewhere:
+            self.send_header("Location", self.server.elsewhere)
         self.end_headers()
         self.wfile.write(b"so it is")
 
@@ -180,6 +185,52 @@ def test_what_a_server_refuses(server: Server, code: int, kind: type[Exception])
     server.answers = [code]
     with pytest.raises(kind, match=f"{code} .* so it is"):
         outlet_of(f"http://{server.address}/write", {}).deliver([value()])
+
+
+@pytest.mark.parametrize("code", [301, 302, 303, 307, 308])
+@pytest.mark.parametrize("elsewhere", ["http://{}/write", "ftp://{}/x", "file:///etc/passwd"])
+@pytest.mark.attack("a server of live values names another address", "nobody but it gets a value or the secret")
+def test_a_server_that_sends_elsewhere(server: Server, code: int, elsewhere: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        other.settimeout(0)
+        server.answers, server.elsewhere = [code], elsewhere.format(f"127.0.0.1:{other.getsockname()[1]}")
+        with pytest.raises(Undelivered, match=str(code)):
+            outlet_of(f"http://{server.address}/write", {SECRET: "word"}).deliver([value()])
+        with pytest.raises(BlockingIOError):
+            other.accept()
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        b"",
+        b"no HTTP at all\r\n" * 9999,
+        b"HTTP/1.1 500 " + b"x" * 60_000 + b"\r\n\r\n",
+        b"HTTP/1.1 500 \x1b]0;x\x07\r\nContent-Length: 5\r\n\r\n",
+        b"HTTP/1.1 200 OK\r\n" + b"X: " + b"y" * 70_000 + b"\r\n\r\n",
+        b"HTTP/1.1 200 OK\r\n" + b"X: y\r\n" * 9999 + b"\r\n",
+        b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n",
+        b"HTTP/1.1 500 E\r\nTransfer-Encoding: chunked\r\n\r\nffffffffffffffff\r\n",
+        b"HTTP/1.1 99999 E\r\n\r\n",
+    ],
+    ids=range(9),
+)
+@pytest.mark.attack("a server of live values answers with what is no answer of HTTP", "one short line; they wait")
+def test_a_server_that_talks_nonsense(answer: bytes) -> None:
+    def serve(listening: socket.socket) -> None:
+        connection, _ = listening.accept()
+        with connection, suppress(OSError):
+            connection.recv(1 << 16)
+            connection.sendall(answer)
+
+    said: SimpleQueue[str] = SimpleQueue()
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        threading.Thread(target=serve, args=(listening,), daemon=True).start()
+        values = Values(outlet_of(f"http://127.0.0.1:{listening.getsockname()[1]}/write", {}))
+        values.start(said.put)
+        values.put(1, [value().access])
+        words = said.get(timeout=PATIENCE_S)
+    assert "cannot be delivered" in words and len(words) < 500
 
 
 def test_a_server_that_is_away() -> None:

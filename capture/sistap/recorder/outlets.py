@@ -144,10 +144,18 @@ class _StandardOutput:
         pass
 
 
+class _NoRedirect(urllib.request.HTTPRedirectHandler):
+    """Python would send the secret to the other address, but not the values."""
+
+    def redirect_request(self, *_: object) -> None:
+        """Make an error of it."""
+
+
 class _Http:
     def __init__(self, url: SplitResult, secret: str) -> None:
         self.name = f"{url.scheme}://{url.netloc.rpartition('@')[2]}{url.path}"
         self._address = url._replace(netloc=url.netloc.rpartition("@")[2], fragment="").geturl()
+        self._opener = urllib.request.build_opener(_NoRedirect)
         self._head = {"Content-Type": "text/plain; charset=utf-8", "User-Agent": f"sistap/{sistap.__version__}"}
         if url.username is not None:
             user = f"{unquote(url.username)}:{secret}"
@@ -158,10 +166,10 @@ class _Http:
     def deliver(self, values: Sequence[Value]) -> None:
         request = urllib.request.Request(self._address, _lines(values), self._head)
         try:
-            with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
+            with self._opener.open(request, timeout=PATIENCE_S) as answer:
                 answer.read(_SHOWN)
         except urllib.error.HTTPError as error:
-            said = f"{error.code} {error.reason} {error.read(_SHOWN).decode(errors='replace')}".strip()
+            said = f"{error.code} {error.reason} {_body(error)}".strip()
             raise (Refused if error.code in _REFUSED else Undelivered)(said) from None
         except urllib.error.URLError as error:
             raise Undelivered(str(getattr(error.reason, "strerror", None) or error.reason)) from None
@@ -170,6 +178,13 @@ class _Http:
 
     def close(self) -> None:
         pass
+
+
+def _body(error: urllib.error.HTTPError) -> str:
+    try:
+        return error.read(_SHOWN).decode(errors="replace")
+    except (OSError, http.client.HTTPException):  # it hangs up, or takes its time
+        return ""
 
 
 class _Mqtt:

@@ -14,6 +14,7 @@ from sistap.recorder.outlets import Outlet, Refused, Undelivered, Value
 MOST = 50_000  # values that wait; then the oldest go
 PATIENCE_S = 5.0  # at the end
 _TOGETHER = 1000
+_SHOWN = 300  # characters of what a server says
 _TURN_S = 1.0  # in which values gather
 _PAUSES_S = (1.0, 5.0, 15.0, 60.0)  # before the next try, after so many failures
 
@@ -78,11 +79,11 @@ class Values:
                 self._outlet.deliver(self._batch)
             except Refused as refused:
                 if not self._refused:
-                    self._say(f"{self._outlet.name} refuses values: {refused}. They are left out")
+                    self._say(f"{self._outlet.name} refuses values: {str(refused)[:_SHOWN]}. They are left out")
                 self._refused += len(self._batch)
             except Exception as error:  # noqa: BLE001 - whatever it is, the recording goes on
                 self._failures += 1
-                why = str(error) if isinstance(error, Undelivered) else repr(error)
+                why = (str(error) if isinstance(error, Undelivered) else repr(error))[:_SHOWN]
                 self._tell(f"values cannot be delivered to {self._outlet.name}: {why}. Trying again; {MOST} can wait")
                 return False
             else:
