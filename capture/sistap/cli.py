@@ -15,14 +15,7 @@ from typing import NoReturn
 
 import sistap
 from sistap.line.reader import PortError, PortLost
-from sistap.terminal.console import (
-    Console,
-    end_standard_output,
-    incomplete,
-    is_reader_gone,
-    leave_standard_output,
-    visible,
-)
+from sistap.terminal.console import Console, end_standard_output, is_reader_gone, leave_standard_output, visible
 from sistap.terminal.exits import DONE, FAILED, PORT, USAGE
 from sistap.terminal.stop import Stop, Stopped
 
@@ -111,7 +104,11 @@ def _failed(error: Exception) -> int:
 def _words(error: OSError) -> str:
     """Describe an error. Commands catch those of their files: one without a name is of what they print."""
     is_of_output = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EBADF) and error.filename is None
-    return incomplete(error) if is_of_output else str(error)
+    if not is_of_output:
+        return str(error)
+    from sistap.common.writing import loss
+
+    return loss(error)
 
 
 def _stopped(stop: Stop) -> int:

@@ -8,6 +8,7 @@ the system itself names in /dev and /proc are opened as they are.
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import sys
@@ -16,7 +17,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from sistap.terminal.console import STANDARD_OUTPUT, incomplete, is_reader_gone, leave_standard_output
+from sistap.terminal.console import STANDARD_OUTPUT, is_reader_gone, leave_standard_output
 from sistap.terminal.state import HeldOpenError, closed
 from sistap.terminal.stop import held
 from sistap.terminal.writing import WINDOWS_PIPES, is_locked, mode_like, no_link
@@ -148,4 +149,11 @@ def _standard_output(cure: str) -> Iterator[None]:
         if is_reader_gone(error):
             raise  # needs no message
         leave_standard_output()
-        raise Incomplete(incomplete(error, cure)) from None
+        raise Incomplete(loss(error, cure)) from None
+
+
+def loss(error: OSError, cure: str = "") -> str:
+    """Describe why a write to standard output failed; `cure` is what helps besides."""
+    if error.errno == errno.EBADF:
+        return "standard output is closed" + (cure and f"; {cure}")
+    return f"standard output is incomplete: {error.strerror}; make room" + (cure and f", or {cure}")

@@ -49,13 +49,6 @@ def is_reader_gone(error: OSError, *, is_file: bool = False, system: str = sys.p
     return error.errno == errno.EPIPE or (system == "win32" and error.errno == errno.EINVAL and not is_file)
 
 
-def incomplete(error: OSError, cure: str = "") -> str:
-    """Describe why a write to standard output failed; `cure` is what helps besides."""
-    if error.errno == errno.EBADF:
-        return "standard output is closed" + (cure and f"; {cure}")
-    return f"standard output is incomplete: {error.strerror}; make room" + (cure and f", or {cure}")
-
-
 def leave_standard_output() -> None:
     """Discard the rest of the buffer: it must not fail again when it is flushed or when Python ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
