@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from commands import run
 from logs import PHASE
-from report_capture import BUS, records
+from report_capture import BUS, Sent, records, write
 
 from sistap import doctor
 from sistap import ports as command
@@ -27,6 +27,7 @@ from sistap.line import ports
 from sistap.line.ports import Adapter
 from sistap.line.settings import LineSettings
 from sistap.records.record import Event, event
+from sistap.sis.telegram import build
 from sistap.terminal.console import Console, visible
 
 # A title for the window of a terminal, C1 controls, what turns the direction round, what nobody sees, what ends lines,
@@ -84,6 +85,32 @@ def test_a_report(capture: Path, tmp_path: Path, kind: str) -> None:
     assert r"\u202e" in done.stdout.lower()
     if kind == "json":
         json.loads(done.stdout, parse_constant=pytest.fail)
+
+
+@pytest.mark.thorough
+@of_others
+@pytest.mark.parametrize(
+    "words",
+    [
+        "parameters CAPTURE",
+        "parameters --csv CAPTURE",
+        "parameters --csv --wide CAPTURE",
+        "parameters --changes CAPTURE",
+        "compare CAPTURE other.pcapng",
+        "compare other.pcapng CAPTURE",
+        "compare CAPTURE other.pcapng --format html",
+        "compare CAPTURE other.pcapng --format json",
+        "tables -o tables CAPTURE",
+    ],
+)
+def test_tables_of_a_capture(capture: Path, tmp_path: Path, words: str) -> None:
+    accepted = Sent(build(0x1F, 16, 3, bytes.fromhex("00 3C 03"), reaction=True))
+    for path, value in ((tmp_path / "other.pcapng", 2), (capture, 3)):
+        written = [Sent(build(0x1F, 16, 3, bytes([0x3C, 3, 0, 0x28, 0, step, value]))) for step in (1, 2)]
+        write(path, [telegram for command in written for telegram in (command, accepted)])
+    done = run(tmp_path, *(capture.name if word == "CAPTURE" else word for word in words.split()))
+    assert done.returncode == 0, done.stderr
+    assert not odd_ones(done.stdout + done.stderr)
 
 
 @of_others

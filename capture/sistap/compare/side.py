@@ -18,6 +18,7 @@ from sistap.episodes.engine import Engine
 from sistap.episodes.episode import Episode
 from sistap.packets.dissection import LOST, Dissection, Packet, Telegram
 from sistap.packets.distribution import Distribution
+from sistap.terminal.console import visible
 from sistap.wireshark.rows import FRAME, OTHER
 from sistap.wireshark.tshark import Tshark
 
@@ -110,11 +111,11 @@ def read(
     side = Side(engine=engine)
     for capture in in_order(captures):
         last_s = 0.0
-        side.names.append(capture.name)
+        side.names.append(visible(capture.name))
         progress(f"reading {capture}")
         with Dissection(tshark, [Portion(capture)], keeps=False) as dissection, uncollected():
             for count, packet in enumerate(dissection.packets(), 1):
-                side.add(packet, capture.name)
+                side.add(packet, side.names[-1])
                 last_s = max(last_s, packet.end_s)
                 if count % _PROGRESS_EVERY == 0:
                     progress(f"{capture}: {count} packets read, {packet.time_s:.0f} s of it")

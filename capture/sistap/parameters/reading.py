@@ -11,6 +11,7 @@ from sistap.accesses.access import FIELD, Access, accesses
 from sistap.accesses.listing import Place
 from sistap.captures.joining import Joined, together
 from sistap.captures.portions import portions
+from sistap.terminal.console import visible
 from sistap.wireshark import rows
 from sistap.wireshark.rows import damage
 from sistap.wireshark.tshark import Tshark, TsharkError
@@ -46,7 +47,7 @@ def _of_capture(tshark: Tshark, joined: Joined, say: Callable[[str], None]) -> I
             came = True
             columns = rows.columns(_COLUMNS, line)
             capture, number = joined.place(int(columns["frame.number"]))
-            place = Place(capture.name, number, float(columns["frame.time_epoch"] or 0))
+            place = Place(visible(capture.name), number, float(columns["frame.time_epoch"] or 0))
             for access in accesses(columns):
                 yield Found(place, access)
     except TsharkError as error:

@@ -16,7 +16,7 @@ from sistap.packets.dissection import Dissection, Packet
 from sistap.tables.judging import Judging
 from sistap.tables.rows import FIELDS, Row, rows
 from sistap.tables.store import Store
-from sistap.terminal.console import Console
+from sistap.terminal.console import Console, visible
 from sistap.wireshark.tshark import Tshark
 
 _PROGRESS_EVERY = 5000  # packets
@@ -41,7 +41,7 @@ def put(  # noqa: PLR0913 - each comes from another part
         if is_known and is_judged:
             continue
         with Dissection(tshark, [Portion(capture)], FIELDS, keeps=False) as dissection, uncollected():
-            packets = judging.packets(_told(dissection, capture, console), capture.name)
+            packets = judging.packets(_told(dissection, capture, console), visible(capture.name))
             if is_known:
                 deque(packets, maxlen=0)
                 continue
@@ -69,7 +69,7 @@ def _told(dissection: Dissection, capture: Path, console: Console) -> Iterator[P
 
 
 def _rows(packets: Iterable[Packet], capture: Path) -> Iterator[Row]:
-    return (row for packet in packets for row in rows(packet, capture.name))
+    return (row for packet in packets for row in rows(packet, visible(capture.name)))
 
 
 def _digest(capture: Path, tap: str) -> str:

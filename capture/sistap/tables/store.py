@@ -24,6 +24,7 @@ import pyarrow.parquet as pq
 from sistap.common.writing import Beside, Incomplete, make_folder
 from sistap.tables.rows import Row
 from sistap.tables.schema import TABLES
+from sistap.terminal.console import visible
 from sistap.terminal.stop import held
 from sistap.terminal.writing import mode_like
 
@@ -114,7 +115,7 @@ class _Incoming:
 
     def __init__(self, root: Path, capture: Path, tap: str, name: str) -> None:
         self._root = root
-        self._capture = capture.name
+        self._capture = visible(capture.name)
         self._mode = mode_like([capture])
         self._tap = tap
         self._waiting: defaultdict[Part, list[dict[str, Any]]] = defaultdict(list)
