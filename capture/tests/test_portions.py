@@ -122,14 +122,17 @@ def test_numbers_and_seconds_go_on() -> None:
     command = row(2, 50.25, 0.25, sis__start="2", sis__bus__load="90")
     reaction = row(3, 52.5, 2.5, sis__start="2", sis__bus__load="40", sis__command_in="2")
     before = row(1, 50.0, 0.0, sertap__type="2", sertap__event="7", sertap__text="all TrS 50 ms")
-    tshark = OneAfterTheOther([row(1, 10.0, 0.0), row(2, 20.0, 10.0)], [before, command, reaction])
+    plain = row(4, 53.0, 3.0)
+    tshark = OneAfterTheOther([row(1, 10.0, 0.0), row(2, 20.0, 10.0)], [before, command, reaction, plain])
     portions = [Portion(Path("a")), Portion(Path("b"), told=1)]
     with Dissection(cast(Tshark, tshark), portions) as dissection:
         read = list(dissection.packets())
         again = list(dissection.again([Span(41.0, 43.0)]))
-    assert [(packet.number, packet.time_s) for packet in read] == [(1, 0.0), (2, 10.0), (3, 40.25), (4, 42.5)]
+    times = [(1, 0.0), (2, 10.0), (3, 40.25), (4, 42.5), (5, 43.0)]
+    assert [(packet.number, packet.time_s) for packet in read] == times
     assert again == read[3:]
-    first, second = (packet.telegrams[0] for packet in read[2:])
+    assert read[4].alike is read[0].alike  # what rows have in common is worked out once, also for a month
+    first, second = (packet.telegrams[0] for packet in read[2:4])
     assert (first.load_percent, second.load_percent) == (None, 40.0)
     assert second.command_in == 3
 

@@ -318,10 +318,11 @@ class Dissection:
     def _lines(self, capture: Path) -> Iterator[str]:
         """Return the rows of all packets of a capture, and prepare for their columns."""
         arguments = ["-r", str(capture), "-2", *self._preferences]
-        self._known, lines = told(self._tshark, arguments, sorted(self._fields, key=lambda name: name not in self._own))
-        if NECESSARY not in self._known:
+        known, lines = told(self._tshark, arguments, sorted(self._fields, key=lambda name: name not in self._own))
+        if NECESSARY not in known:
             raise TsharkError(NO_DISSECTOR)
-        self._rows = _Rows(self._known, self._own)
+        if known != self._known:  # else it knows rows already
+            self._known, self._rows = known, _Rows(known, self._own)
         return lines
 
 
