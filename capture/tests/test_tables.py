@@ -16,13 +16,18 @@ import report_capture
 from commands import refused, run, run_anew
 from report_capture import Sent, write
 
+from sistap.captures.portions import Portion
 from sistap.line.settings import Flag
+from sistap.packets.dissection import Dissection
 from sistap.sis.telegram import build
+from sistap.tables.rows import FIELDS, Rows
+from sistap.wireshark.tshark import Tshark
 
 duckdb = pytest.importorskip("duckdb", reason="duckdb asks the tables: pip install duckdb")
 pytest.importorskip("pyarrow", reason="pyarrow writes the tables: pip install pyarrow")
 
 HOUSE = Path(__file__).parent.parent.parent
+CAPTURES = HOUSE / "test-captures"
 README = HOUSE / "capture" / "sistap" / "tables" / "README.md"
 QUESTIONS = dict(re.findall(r"### (.+?)\n.*?```sql\n(.*?)```", README.read_text("utf-8"), re.DOTALL))
 DAY_S = 86_400
@@ -132,6 +137,20 @@ def test_the_columns(made: Path) -> None:
     assert [row["raw"] for row in rows] == sent, "the damaged one, too"
     assert [row["packet"] for row in rows if row["has_character_error"]] == [9]
     assert [row["packet"] for row in rows if not row["is_good"]] == [10]
+
+
+def test_rows_of_alike_packets_are_as_if_each_were_alone(tshark: Tshark, tmp_path: Path) -> None:
+    """All captures, each a section of one. The rows of a table have their columns in the same order."""
+    every = tmp_path / "every.pcapng"
+    every.write_bytes(b"".join(path.read_bytes() for path in sorted(CAPTURES.glob("*.pcapng"))))
+    together = Rows("x")
+    orders: dict[str, list[str]] = {}
+    with Dissection(tshark, [Portion(every)], FIELDS) as dissection:
+        for packet in dissection.packets():
+            rows = list(together.of(packet))
+            assert rows == list(Rows("x").of(packet))
+            assert all(list(row.values) == orders.setdefault(row.table, list(row.values)) for row in rows)
+    assert sorted(orders) == ["events", "telegrams", "values"]
 
 
 def test_values_and_events(made: Path) -> None:

@@ -14,7 +14,7 @@ from sistap.common.garbage import uncollected
 from sistap.episodes.rules import Thresholds
 from sistap.packets.dissection import Dissection, Packet
 from sistap.tables.judging import Judging
-from sistap.tables.rows import FIELDS, Row, rows
+from sistap.tables.rows import FIELDS, Row, Rows
 from sistap.tables.store import Store
 from sistap.terminal.console import Console, visible
 from sistap.wireshark.tshark import Tshark
@@ -69,7 +69,8 @@ def _told(dissection: Dissection, capture: Path, console: Console) -> Iterator[P
 
 
 def _rows(packets: Iterable[Packet], capture: Path) -> Iterator[Row]:
-    return (row for packet in packets for row in rows(packet, visible(capture.name)))
+    made = Rows(visible(capture.name))
+    return (row for packet in packets for row in made.of(packet))
 
 
 def _digest(capture: Path, tap: str) -> str:

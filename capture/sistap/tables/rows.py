@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from sistap.accesses.access import Access
 from sistap.episodes.episode import Episode
 from sistap.episodes.masters import station_of
 from sistap.line.settings import Flag
@@ -16,8 +17,10 @@ from sistap.wireshark.rows import EVENT, JOINT
 
 # Fields besides those of a Packet.
 FIELDS = ("sis.value", "sis.value.number", "sis.error", "sertap.character")
-_VERDICTS = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved"}
+_VERDICTS = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved", None: None}
+_NOT_JUDGED = Judged(0.0, None, None)
 _LARGEST = 1 << 63
+_REMEMBERED = 2048  # packets that are not alike
 # Numbers: the operators of an enum take as long as a whole row.
 _CHARACTER_ERRORS = int(Flag.CHARACTER_ERROR | Flag.UNLOCATED_ERROR)
 _BREAK, _LOST = int(Flag.BREAK), int(Flag.LOST_BEFORE)
@@ -31,29 +34,38 @@ class Row(NamedTuple):
     """A row, and the table that it belongs to."""
 
     table: str
-    values: dict[str, Any]
+    values: dict[str, Any]  # of all columns: those of all rows of a table are in the same order
 
 
-def rows(packet: Packet, file: str) -> Iterator[Row]:
-    """Yield the rows of a packet. Raise NoSuchTime."""
-    place = {
-        "epoch_ns": _epoch_ns(packet),
-        "port": packet.interface,
-        "line": packet.line,
-        "file": file,
-        "packet": packet.number,
-    }
-    for number, telegram in enumerate(packet.telegrams):
-        yield Row("telegrams", {**place, "place": number, **_telegram(packet, telegram)})
-    for number, access in enumerate(packet.accesses):
-        _, route, device, ident = access.parameter
-        values = {name: None if value == "" else value for name, value in access._asdict().items()}
-        number_of = None if access.number is None else float(access.number)
-        values |= {"station": station_of(access.parameter), "route": route}
-        values |= {"device": device, "parameter": ident, "number": number_of}
-        yield Row("values", place | {"place": number} | values)
-    if packet.type == EVENT and not packet.is_again:
-        yield Row("events", place | {"place": 0, "code": packet.event, "text": packet.text} | _event(packet.event))
+class Rows:
+    """Makes rows of the packets of a file. What alike packets say in the same way is worked out once."""
+
+    def __init__(self, file: str) -> None:
+        self._file = file
+        self._known: dict[tuple[object, int], dict[str, Any]] = {}  # by packets that are alike, and place
+
+    def of(self, packet: Packet) -> Iterator[Row]:
+        """Yield the rows of a packet. Raise NoSuchTime."""
+        epoch_ns = _epoch_ns(packet)
+        for number, telegram in enumerate(packet.telegrams):
+            known = self._known.get((packet.alike, number))
+            if known is None:
+                known = self._work_out(packet, telegram, number)
+            yield Row("telegrams", known | _own(packet, telegram, epoch_ns))
+        for number, access in enumerate(packet.accesses):
+            yield Row("values", self._place(packet, number) | _value(access, epoch_ns, packet.number))
+        if packet.type == EVENT and not packet.is_again:
+            said = {"epoch_ns": epoch_ns, "packet": packet.number, "code": packet.event, "text": packet.text}
+            yield Row("events", self._place(packet, 0) | said | _event(packet.event))
+
+    def _work_out(self, packet: Packet, telegram: Telegram, number: int) -> dict[str, Any]:
+        if len(self._known) == _REMEMBERED:
+            self._known.clear()
+        known = self._known[packet.alike, number] = self._place(packet, number) | _telegram(packet, telegram)
+        return known
+
+    def _place(self, packet: Packet, number: int) -> dict[str, Any]:
+        return {"port": packet.interface, "line": packet.line, "file": self._file, "place": number}
 
 
 def of_episode(episode: Episode, file: str, packet: int | None) -> Row:
@@ -66,8 +78,10 @@ def of_episode(episode: Episode, file: str, packet: int | None) -> Row:
         "worst": hit.worst,
         "text": episode.text,
         "epoch_ns": round(episode.from_s * 1e9),
+        "line": None,
         "file": file,
         "packet": packet,
+        "place": None,
         "until": round(episode.to_s * 1e6),
         "severity": episode.severity.name.lower(),
         "station": episode.station,
@@ -91,33 +105,68 @@ def _event(code: int | None) -> dict[str, str | None]:
 
 
 def _telegram(packet: Packet, telegram: Telegram) -> dict[str, Any]:
-    said = telegram.columns
-    numbers = said.get("sis.value.number", "").split(JOINT)
+    """Return what alike packets say in the same way."""
     return {
         "sender": telegram.talker,
         "receiver": telegram.listener,
         "is_reaction": telegram.is_reaction,
         "service": telegram.service,
         "service_name": None if telegram.service is None else service_name(telegram.service),
-        "parameter": _one(said.get("sis.parameter")),
-        "value": _one(said.get("sis.value")),
-        "number": float(numbers[0]) if len(numbers) == 1 and numbers[0] else None,
+        "parameter": _one(telegram.columns.get("sis.parameter")),
         "status": telegram.status if telegram.is_reaction else None,
-        "error": _integer(_one(said.get("sis.error"))),
         "is_good": telegram.good,
         "is_repeat": telegram.is_repeat,
         "is_unanswered": telegram.unanswered,
-        "command_packet": telegram.command_in,
-        **_judged("trs", "reaction_s", telegram.reaction),
-        **_judged("tza", "longest_interval_s", telegram.pause),
-        **_judged("tmas", "cycle_s", telegram.cycle),
-        "uncertainty_s": packet.uncertainty_s,
         "has_character_error": bool(packet.errors & _CHARACTER_ERRORS),
         "has_break": bool(packet.errors & _BREAK),
         "has_loss": bool(packet.errors & _LOST),
         "baud": packet.baud,
         "phase": _integer(telegram.phase),
+    }
+
+
+def _own(packet: Packet, telegram: Telegram, epoch_ns: int) -> dict[str, Any]:
+    """Return what each telegram says for itself."""
+    said = telegram.columns.get
+    numbers = said("sis.value.number", "").split(JOINT)
+    reaction, pause, cycle = (one or _NOT_JUDGED for one in (telegram.reaction, telegram.pause, telegram.cycle))
+    return {
+        "epoch_ns": epoch_ns,
+        "packet": packet.number,
+        "value": _one(said("sis.value")),
+        "number": float(numbers[0]) if len(numbers) == 1 and numbers[0] else None,
+        "error": _integer(said("sis.error")),
+        "command_packet": telegram.command_in,
+        "reaction_s": reaction.time_s or None,
+        "trs_limit_s": reaction.limit_s,
+        "trs_verdict": _VERDICTS.get(reaction.verdict),
+        "longest_interval_s": pause.time_s or None,
+        "tza_limit_s": pause.limit_s,
+        "tza_verdict": _VERDICTS.get(pause.verdict),
+        "cycle_s": cycle.time_s or None,
+        "tmas_limit_s": cycle.limit_s,
+        "tmas_verdict": _VERDICTS.get(cycle.verdict),
+        "uncertainty_s": packet.uncertainty_s,
         "raw": _characters(packet) if len(packet.telegrams) == 1 else None,
+    }
+
+
+def _value(access: Access, epoch_ns: int, packet: int) -> dict[str, Any]:
+    _, route, device, ident = access.parameter
+    return {
+        "epoch_ns": epoch_ns,
+        "packet": packet,
+        "station": station_of(access.parameter),
+        "route": route,
+        "device": device,
+        "parameter": ident,
+        "name": access.name or None,
+        "unit": access.unit or None,
+        "is_write": access.is_write,
+        "master": access.master,
+        "value": access.value or None,
+        "number": None if access.number is None else float(access.number),
+        "error": access.error or None,
     }
 
 
@@ -125,13 +174,6 @@ def _characters(packet: Packet) -> bytes | None:
     """Return the characters of a record."""
     text = packet.columns.get("sertap.character")
     return bytes.fromhex(text.replace(JOINT, "").replace("0x", "")) if text else None
-
-
-def _judged(limit: str, time: str, judged: Judged | None) -> dict[str, Any]:
-    if not judged:
-        return {}
-    verdict = _VERDICTS.get(judged.verdict) if judged.verdict is not None else None
-    return {time: judged.time_s or None, f"{limit}_limit_s": judged.limit_s, f"{limit}_verdict": verdict}
 
 
 def _one(text: str | None) -> str | None:

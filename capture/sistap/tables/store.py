@@ -15,6 +15,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from datetime import date, timedelta
 from functools import lru_cache
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -133,7 +134,7 @@ class _Incoming:
         if not self.id:
             self.id = _id(f"{self._capture}\0{tap}\0{values['epoch_ns']}")
         values["time"] = values["epoch_ns"] // _NS_PER_US
-        self._waiting[Part(row.table, tap, _day(values["time"] // _DAY_US))].append(values)
+        self._waiting[_part(row.table, tap, values["time"] // _DAY_US)].append(values)
         self._waiting_rows += 1
         if self._waiting_rows == _TOGETHER:
             self._write()
@@ -160,7 +161,7 @@ class _Incoming:
             table = TABLES[part.table]
             new = list(self._unknown(part, values))
             if new:
-                columns = {name: [row.get(name) for row in new] for name in table.schema.names}
+                columns = dict(zip(new[0], zip(*map(dict.values, new), strict=True), strict=True))
                 self._writer(part).write_table(pa.table(columns, schema=table.schema))
                 self.count += len(new)
         self._waiting.clear()
@@ -178,7 +179,8 @@ class _Incoming:
                     there.update(_keys(file, same, min(times), max(times)))
                 except (pa.ArrowException, KeyError, TypeError):
                     raise _Strange(str(file)) from None
-        return (row for row in values if tuple(row.get(name) for name in same) not in there)
+        key = itemgetter(*same)
+        return (row for row in values if key(row) not in there) if there else iter(values)
 
     def _writer(self, part: Part) -> pq.ParquetWriter:
         if part not in self._writers:
@@ -209,9 +211,9 @@ def _id(name: str) -> str:
 
 
 @lru_cache
-def _day(number: int) -> str:
-    """Return a day, counted from 1970 on."""
-    return (_EPOCH + timedelta(days=number)).isoformat()
+def _part(table: str, tap: str, day: int) -> Part:
+    """Return the partition of a day, counted from 1970 on."""
+    return Part(table, tap, (_EPOCH + timedelta(days=day)).isoformat())
 
 
 @lru_cache
