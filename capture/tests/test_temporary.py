@@ -99,3 +99,11 @@ def test_as_root_one_of_nobody_goes_and_one_of_somebody_else_stays(left: Path) -
         os.utime(left, (0, 0))
         with Tshark("sh"):
             assert left.exists() == stays
+
+
+def test_it_is_found_from_everywhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    """TMPDIR=. is the one relative name that Python leaves as it is."""
+    monkeypatch.chdir(tempfile.gettempdir())
+    monkeypatch.setattr(tempfile, "tempdir", os.curdir)
+    with temporary.folder() as made:
+        assert made.is_absolute()

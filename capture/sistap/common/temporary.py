@@ -30,7 +30,7 @@ class Folder:
         sweep(*others)
         # If a signal comes just before its end, Python removes it with the object.
         self._made = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
-        self.path = Path(self._made.name)
+        self.path = Path(self._made.name).absolute()  # TMPDIR may be . and tshark starts elsewhere
         self.descriptor = -1
         if sys.platform != "win32":
             self.descriptor = os.open(self.path, os.O_RDONLY)
