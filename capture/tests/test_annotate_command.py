@@ -28,6 +28,7 @@ from sistap import cli
 from sistap.annotate import command
 from sistap.annotate.annotating import LONGEST_LINE
 from sistap.annotate.explaining import WholeCapture
+from sistap.annotate.sources import from_pipe
 from sistap.episodes.rules import Thresholds
 from sistap.explain.fields import Fields
 from sistap.records.record import Record, Type
@@ -228,6 +229,20 @@ def test_a_reader_who_does_not_read_does_not_hold_up_a_stop(log: Path) -> None:
 
 
 @pytest.mark.thorough
+@posix("no pipes in folders")
+@pytest.mark.attack("a pipe that delivers a log faster than it is explained", "it waits: memory stays as it is")
+def test_a_pipe_is_not_read_ahead(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    writer = os.open(tmp_path / "pipe", os.O_RDWR | os.O_NONBLOCK)
+    batches, written, lines = from_pipe(str(tmp_path / "pipe")), 0, b"12:00:00 02 D9\n" * 4000
+    os.write(writer, lines)
+    next(batches)
+    while written < 100_000_000 and select.select([], [writer], [], 0.5)[1]:
+        written += os.write(writer, lines)
+    os.close(writer)
+    assert written < 50_000_000
+
+
 @posix("no pipes in folders")
 def test_a_named_pipe_is_read_once(tmp_path: Path, log: Path) -> None:
     fifo = tmp_path / "fifo"

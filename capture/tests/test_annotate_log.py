@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 from commands import refused, run
 from independent import records
-from portable import NO_TSHARK
+from portable import NO_TSHARK, posix
 from report_capture import BUS, READ, Sent, write
 from specification import TELEGRAMS
 
@@ -99,3 +100,12 @@ def test_what_cannot_be_opened(tmp_path: Path) -> None:
     refused(run(tmp_path, "log", capture, PATH=str(tmp_path)), 1, *NO_TSHARK)
     (tmp_path / "plugins").mkdir()
     refused(run(tmp_path, "log", capture, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS")
+
+
+@posix("it has no devices in folders")
+@pytest.mark.attack("`sistap log` of a device without an end, or of a pipe", "refused in one line")
+@pytest.mark.parametrize("name", ["/dev/zero", "pipe"])
+def test_what_is_no_file(tmp_path: Path, name: str) -> None:
+    """As root it was copied for tshark, until the disk was full."""
+    os.mkfifo(tmp_path / "pipe")
+    refused(run(tmp_path, "log", name), 2, f"{name} is not a file: it is read twice")

@@ -82,6 +82,8 @@ def _write(args: argparse.Namespace, console: Console) -> tuple[int, int]:
 
 
 def _check(args: argparse.Namespace) -> None:
+    if args.capture.exists() and not (args.capture.is_file() or args.capture.is_dir()):
+        raise NotACapture(f"{args.capture} is not a file: it is read twice, so save the capture first")
     try:
         args.capture.open("rb").close()
     except OSError as error:

@@ -18,6 +18,7 @@ from sistap.common.packed import unpack
 from sistap.records.cut import ASCII, Cut
 
 _PIECE = 1 << 18
+_AHEAD = 16  # pieces of a pipe that may wait: its writer can be faster than they are explained
 _IDLE_S = 0.2
 _NULS = 10  # one byte in this many may be 0: some programs write what they received
 # The first bytes of captures: pcapng, and pcap in both byte orders with us and with ns.
@@ -87,7 +88,7 @@ def _from_file(log: str, lines: Cutter, progress: Callable[[float], None]) -> It
 
 def from_pipe(log: str) -> Iterator[list[LogLine]]:
     """Yield the lines of a pipe as they come; an empty list if nothing came for a moment."""
-    pieces: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    pieces: queue.Queue[bytes] = queue.Queue(_AHEAD)
     descriptor = 0 if log == "-" else os.open(log, os.O_RDONLY | getattr(os, "O_BINARY", 0))
     # A thread, because Windows cannot tell whether a pipe has something to read.
     threading.Thread(target=_read, args=(descriptor, pieces), daemon=True).start()
@@ -109,7 +110,7 @@ def from_pipe(log: str) -> Iterator[list[LogLine]]:
         yield rest
 
 
-def _read(descriptor: int, pieces: queue.SimpleQueue[bytes]) -> None:
+def _read(descriptor: int, pieces: queue.Queue[bytes]) -> None:
     try:
         while piece := os.read(descriptor, _PIECE):
             pieces.put(piece)
