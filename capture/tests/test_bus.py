@@ -769,6 +769,8 @@ def test_a_signal_ends_it_while_it_plays_and_the_log_has_whole_lines(tmp_path: P
         (["--format", "7E1"], "8 data bits"),
         (["--baud", "0"], "for example 9600"),
         (["--cycles", "-1"], "0 plays until stopped"),
+        (["-w", ""], "-w and --log take the name of a file"),
+        (["--log", "-"], "-w and --log take the name of a file"),
         (["--reads", "0", "--listen", "127.0.0.1:0"], "from 1"),
         pytest.param(["--fast"], "needs --listen", marks=listening_only_if_asked),
         pytest.param(["--reads", "5"], "needs --listen", marks=listening_only_if_asked),

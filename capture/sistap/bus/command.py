@@ -129,6 +129,7 @@ def _checked(args: argparse.Namespace) -> tuple[Scenario, LineSettings, Playing]
         faults = Faults.parse(args.faults) if args.faults else NO_FAULTS
         if played.is_complete:
             place.settle(args)
+        _check_files(args)
         _check_numbers(args)
         place.check(args)
         if (faults.parity or faults.break_) and not (args.listen or args.file):
@@ -153,6 +154,11 @@ def _settings(args: argparse.Namespace, usual: LineSettings) -> LineSettings:
         return character_format(baud, usual.format if args.format is None else args.format)
     except ValueError as error:
         raise ValueError(f"--format {args.format}: {error}") from None
+
+
+def _check_files(args: argparse.Namespace) -> None:
+    if "" in (args.file, args.log) or args.log == STANDARD_OUTPUT:
+        raise ValueError("-w and --log take the name of a file; only -w can be -, standard output")
 
 
 def _check_numbers(args: argparse.Namespace) -> None:
