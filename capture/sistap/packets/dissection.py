@@ -335,8 +335,9 @@ def _of_traffic(packets: Iterable[Packet]) -> Iterator[Packet]:
             beginning.append(packet)
             continue
         is_again = packet.type == EVENT and packet.event == Event.TOLD_BEFORE
-        yield from _described(beginning, begun, is_again=is_again)
-        beginning = []
+        if beginning:
+            yield from _described(beginning, begun, is_again=is_again)
+            beginning = []
         if not is_again:
             yield packet
     yield from _described(beginning, begun, is_again=False)

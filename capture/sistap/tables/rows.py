@@ -18,7 +18,7 @@ from sistap.wireshark.rows import EVENT, JOINT
 # Fields besides those of a Packet.
 FIELDS = ("sis.value", "sis.value.number", "sis.error", "sertap.character")
 _VERDICTS = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved", None: None}
-_NOT_JUDGED = Judged(0.0, None, None)
+_NO_TIME = Judged(0.0, None, None)
 _LARGEST = 1 << 63
 _REMEMBERED = 2048  # packets that are not alike
 # Numbers: the operators of an enum take as long as a whole row.
@@ -93,7 +93,7 @@ def of_episode(episode: Episode, file: str, packet: int | None) -> Row:
 def _epoch_ns(packet: Packet) -> int:
     """Return the time exactly: a float has no room for nanoseconds."""
     seconds, _, decimals = packet.columns["frame.time_epoch"].partition(".")
-    time_ns = int(seconds or 0) * 10**9 + int(f"{decimals:0<9.9}") * (-1 if seconds.startswith("-") else 1)
+    time_ns = int(f"{seconds}{decimals:0<9.9}")
     if not -_LARGEST <= time_ns < _LARGEST:
         raise NoSuchTime(f"packet {packet.number} has a time that no table holds: correct it with editcap -t")
     return time_ns
@@ -129,7 +129,7 @@ def _own(packet: Packet, telegram: Telegram, epoch_ns: int) -> dict[str, Any]:
     """Return what each telegram says for itself."""
     said = telegram.columns.get
     numbers = said("sis.value.number", "").split(JOINT)
-    reaction, pause, cycle = (one or _NOT_JUDGED for one in (telegram.reaction, telegram.pause, telegram.cycle))
+    reaction, pause, cycle = telegram.reaction or _NO_TIME, telegram.pause or _NO_TIME, telegram.cycle or _NO_TIME
     return {
         "epoch_ns": epoch_ns,
         "packet": packet.number,
