@@ -8183,14 +8183,15 @@ do
   end
 
   -- A drive names its parameters: what it says must not look like the line between two columns.
-  local function cell(text)
+  local function in_cell(text)
     return (gsub(text, "|", "¦"))
   end
 
   local function parameter_row(row)
     return strformat("%-4s |%-7s |%-6s |%-9s |%-4s |%-4s |%5d |%6d |%6d |%5s |%4s |%5s |%8s |%5d |%10s |%9s |",
-      row.line, row.station, row.device, row.parameter, cell(row.name), cell(row.unit), row.reads, row.writes,
-      row.errors, cell(row.first), cell(row.last), cell(row.least), cell(row.greatest), row.raw, row.by, row.packet)
+      row.line, row.station, row.device, row.parameter, in_cell(row.name), in_cell(row.unit), row.reads, row.writes,
+      row.errors, in_cell(row.first), in_cell(row.last), in_cell(row.least), in_cell(row.greatest),
+      row.raw, row.by, row.packet)
   end
 
   kinds.parameters = {
