@@ -19,7 +19,7 @@ from sistap.report.pauses import Pauses
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
 
 EVENTS_KEPT = 20
-TOGETHER = 1024  # packets that wait to be counted
+TOGETHER = 256  # packets that wait to be counted: with more, they leave the cache of the processor
 SILENCE_S = 0.2  # after which an operator terminal gives up (IF02 chapter 10.1)
 
 
