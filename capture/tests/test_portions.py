@@ -16,6 +16,7 @@ from sistap import cli
 from sistap.captures import reading
 from sistap.captures.portions import Portion, in_turn
 from sistap.captures.reading import NotCaptured
+from sistap.episodes.engine import Engine
 from sistap.files import pcapng
 from sistap.files.output import Limits, Output
 from sistap.files.writer import PcapngWriter
@@ -135,6 +136,18 @@ def test_numbers_and_seconds_go_on() -> None:
     first, second = (packet.telegrams[0] for packet in read[2:4])
     assert (first.load_percent, second.load_percent) == (None, 40.0)
     assert second.command_in == 3
+
+
+def test_a_silence_that_began_in_the_portion_before_is_no_jump_of_the_clock() -> None:
+    """The first record of a portion says only that it was longer than 4.29 s."""
+    first = row(1, 10.0, 0.0, sertap__type="0", sertap__interval="0.1\x1f0.001")
+    second = row(1, 70.0, 0.0, sertap__type="0", sertap__interval="4.294967295\x1f0.001")
+    engine = Engine()
+    portions = [Portion(Path("a")), Portion(Path("b"))]
+    with Dissection(cast(Tshark, OneAfterTheOther([first], [second])), portions) as dissection:
+        for packet in dissection.packets():
+            engine.add(packet)
+    assert engine.finish() == []
 
 
 def test_a_foreign_file_is_told_before_anything_is_read(night: Path, tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from sistap.accesses.access import Access, accesses
 from sistap.captures.portions import Portion
 from sistap.line.settings import Flag
 from sistap.packets.kept import Kept, Span
-from sistap.records.record import KEPT, Event
+from sistap.records.record import INTERVAL_MAX, KEPT, Event
 from sistap.sis.faults import FAULTS, Fault
 from sistap.wireshark import rows
 from sistap.wireshark.rows import (
@@ -107,6 +107,7 @@ _BEGINNING = {Event.CAPTURE_STARTED, Event.LIMITS_TOLD}
 _GOOD = {"1", "Good"}
 _TRUE = {"1", "True"}
 LOST = int(Flag.LOST_BEFORE)  # in the errors of a packet
+_LONGEST_S = INTERVAL_MAX / 1e9  # a record has no longer interval
 _LOAD_S = 1.0  # over which the dissector measures the load of the bus; at first over less, 100 % to begin with
 _CONTROL_ERROR = 6  # status bits of the edition ECODRIVE03: error
 _LINE_ERRORS = (
@@ -471,6 +472,8 @@ def _packet(columns: Mapping[str, str], own: list[str], alike: _Alike) -> Packet
     number, epoch, relative, uncertainty, text = own[:5]
     intervals_s = list(map(float, text.split(JOINT))) if text else []
     since_s = intervals_s.pop(0) if intervals_s and not alike.unknown else None
+    if since_s == _LONGEST_S:
+        since_s = None  # it may be longer, and began before this capture
     if alike.unknown > 1:
         intervals_s = []  # nobody knows which ones they are
     return alike.make(
