@@ -13,7 +13,7 @@ import planted
 import pytest
 
 from sistap import cli
-from sistap.captures import reading
+from sistap.captures import portions, reading
 from sistap.captures.portions import Portion, in_turn
 from sistap.captures.reading import NotCaptured
 from sistap.episodes.engine import Engine
@@ -23,7 +23,6 @@ from sistap.files.writer import PcapngWriter
 from sistap.packets.dissection import Dissection
 from sistap.packets.kept import Span
 from sistap.records.counters import Counters
-from sistap.report import command
 from sistap.wireshark.tshark import Tshark
 
 PORT = pcapng.Interface(252, "bus")
@@ -59,10 +58,19 @@ def night(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return planted.play(tmp_path_factory.mktemp("night") / "night.pcapng")
 
 
-@pytest.fixture(params=[pieces, ring])
+def alone(night: Path, _folder: Path) -> list[Path]:
+    """Leave it as it is: one file."""
+    return [night]
+
+
+@pytest.fixture(params=[pieces, ring, alone])
 def files(night: Path, tmp_path: Path, request: pytest.FixtureRequest) -> list[Path]:
     found: list[Path] = request.param(night, tmp_path)
     return found
+
+
+def largest(files: Sequence[Path]) -> int:
+    return max(file.stat().st_size for file in files)
 
 
 def reported(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> dict[str, Any]:
@@ -80,10 +88,14 @@ def happened(report: Mapping[str, Any]) -> list[Sequence[Any]]:
 
 @pytest.mark.parametrize("options", [[], ["--since", "2026-03-14T21:03:00Z", "--window", "1+2"]])
 def test_portions_are_judged_as_one(
-    files: list[Path], options: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    night: Path,
+    files: list[Path],
+    options: list[str],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     whole = reported(capsys, *options, *files)
-    monkeypatch.setattr(command, "_TOGETHER", 1)
+    monkeypatch.setattr(portions, "TOGETHER", largest(files) // (PIECES if files == [night] else 1))
     cut = reported(capsys, *options, *files)
     assert happened(whole)
     assert happened(cut) == happened(whole)
@@ -93,7 +105,7 @@ def test_portions_are_judged_as_one(
         assert one == other | {"time_s": pytest.approx(other["time_s"], abs=1e-5)}
     assert cut["duration_s"] == pytest.approx(whole["duration_s"], abs=1e-5)
     # Limits that were set before a seam hold after it. What was divided by it is not judged.
-    for name, most in (("tza", 0), ("trs", len(files))):
+    for name, most in (("tza", 0), ("trs", PIECES + 1)):
         assert all(0 <= whole["limits"][name][of] - cut["limits"][name][of] <= most for of in ("ok", "no_limit"))
     assert len(cut["windows"]) == len(whole["windows"]) > 0
     for one, other in zip(cut["windows"], whole["windows"], strict=True):
@@ -125,8 +137,7 @@ def test_numbers_and_seconds_go_on() -> None:
     before = row(1, 50.0, 0.0, sertap__type="2", sertap__event="7", sertap__text="all TrS 50 ms")
     plain = row(4, 53.0, 3.0)
     tshark = OneAfterTheOther([row(1, 10.0, 0.0), row(2, 20.0, 10.0)], [before, command, reaction, plain])
-    portions = [Portion(Path("a")), Portion(Path("b"), told=1)]
-    with Dissection(cast(Tshark, tshark), portions) as dissection:
+    with Dissection(cast(Tshark, tshark), [Portion(Path("a")), Portion(Path("b"), told=1)]) as dissection:
         read = list(dissection.packets())
         again = list(dissection.again([Span(41.0, 43.0)]))
     times = [(1, 0.0), (2, 10.0), (3, 40.25), (4, 42.5), (5, 43.0)]
@@ -143,8 +154,8 @@ def test_a_silence_that_began_in_the_portion_before_is_no_jump_of_the_clock() ->
     first = row(1, 10.0, 0.0, sertap__type="0", sertap__interval="0.1\x1f0.001")
     second = row(1, 70.0, 0.0, sertap__type="0", sertap__interval="4.294967295\x1f0.001")
     engine = Engine()
-    portions = [Portion(Path("a")), Portion(Path("b"))]
-    with Dissection(cast(Tshark, OneAfterTheOther([first], [second])), portions) as dissection:
+    tshark = cast(Tshark, OneAfterTheOther([first], [second]))
+    with Dissection(tshark, [Portion(Path("a")), Portion(Path("b"))]) as dissection:
         for packet in dissection.packets():
             engine.add(packet)
     assert engine.finish() == []
@@ -154,15 +165,29 @@ def test_a_foreign_file_is_told_before_anything_is_read(night: Path, tmp_path: P
     foreign = tmp_path / "foreign.pcap"
     foreign.write_bytes(b"\xd4\xc3\xb2\xa1" + bytes(20))
     with pytest.raises(NotCaptured, match="foreign.pcap cannot be read with others"):
-        next(in_turn([night, foreign], 1, pytest.fail))
+        next(in_turn([night, foreign], largest([night]), pytest.fail))
 
 
 def test_files_that_are_deleted_meanwhile_are_told(night: Path, tmp_path: Path) -> None:
     first, second, third = pieces(night, tmp_path)[:3]
     said: list[str] = []
-    portions = in_turn([first, second, third], 1, said.append)
-    next(portions)
+    read = in_turn([first, second, third], largest([first, second, third]), said.append)
+    next(read)
     second.unlink()
-    assert next(portions).told > 0
-    assert next(portions, None) is None
+    assert next(read).told > 0
+    assert next(read, None) is None
     assert [text.partition(":")[0] for text in said] == [str(second)]
+
+
+def test_a_large_file_that_is_cut_off_says_so(night: Path, tmp_path: Path) -> None:
+    half = tmp_path / "half.pcapng"
+    half.write_bytes(night.read_bytes()[: night.stat().st_size // 2 + 1])
+    said: list[str] = []
+    whole = [packet.data for packet in reading.packets(half)]
+    read = [
+        [packet.data for packet in reading.packets(portion.path)][portion.told :]
+        for portion in in_turn([half], half.stat().st_size // PIECES, said.append)
+    ]
+    assert [packet for portion in read for packet in portion] == whole
+    assert len(read) >= PIECES
+    assert said == [f"{half}: only what comes before the damage: {half} is cut off"]

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from itertools import islice
+from itertools import islice, repeat
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,6 +15,9 @@ from sistap.common import temporary
 from sistap.files import pcapng
 from sistap.records.before import Before, heard
 from sistap.records.record import Event
+
+# Bytes of captures that are read at once: tshark needs up to three times as much memory. So it needs about 1 GB.
+TOGETHER = 400_000_000
 
 _PACKED_TIMES = 12  # as large is a capture that was compressed
 _NANOSECONDS = bytes((9, 0, 1, 0, 9))  # the option of an interface with such times, as sistap writes them
@@ -51,24 +54,65 @@ def _size(capture: Path) -> int:
 
 
 def in_turn(captures: Sequence[Path], most: int, say: Callable[[str], None]) -> Generator[Portion, None, None]:
-    """Yield captures of up to so many bytes, joined, one portion after the other. A single capture stays as it is.
+    """Yield captures of up to so many bytes, joined, one portion after the other. A larger one is cut into pieces.
+    A single one that is small, or foreign, stays as it is.
 
-    Report damage. Raise NotCaptured for a foreign one, before anything else.
+    Report damage. Raise NotCaptured for a foreign one among several, before anything else.
     """
-    if len(captures) == 1:
+    if len(captures) == 1 and (_size(captures[0]) <= most or is_foreign(captures[0])):
         yield Portion(captures[0])
         return
     for capture in filter(is_foreign, captures):
         raise NotCaptured(alone(capture))
     first, *others = portions(captures, most)
     facts = _Facts()
-    is_told = all(_is_told(portion[0]) for portion in others)
+    is_told = not any(map(_is_cut, (first, *others), repeat(most))) and all(_is_told(portion[0]) for portion in others)
     for portion in (first, *others):
-        with temporary.folder() as folder, joined([*facts.file(folder, portion), *portion], say) as together:
-            if together.path.stat().st_size:  # not if all are deleted by now
-                yield Portion(together.path, together.number(portion[0]) - 1)
-        if not is_told:
-            facts.take(portion)
+        for pieces in _pieces(portion, most, say) if _is_cut(portion, most) else [portion]:
+            with temporary.folder() as folder, joined([*facts.file(folder, pieces), *pieces], say) as together:
+                if together.path.stat().st_size:  # not if all are deleted by now
+                    yield Portion(together.path, together.number(pieces[0]) - 1)
+            if not is_told:
+                facts.take(pieces)
+
+
+def _is_cut(portion: Sequence[Path], most: int) -> bool:
+    return len(portion) == 1 and _size(portion[0]) > most
+
+
+def _pieces(portion: Sequence[Path], most: int, say: Callable[[str], None]) -> Iterator[list[Path]]:
+    """Yield pieces of a capture, one after the other in the same file. Each begins with the section and interfaces."""
+    blocks, heading, has_more = _blocks(portion[0], say), b"", True
+    with temporary.folder() as folder:
+        path = folder / "piece.pcapng"
+        while has_more:
+            with path.open("wb") as file:
+                size, has_more = file.write(heading), False
+                for kind, _, body in blocks:
+                    block = pcapng.block(kind, body)
+                    if kind in (pcapng.SECTION_HEADER, pcapng.INTERFACE_DESCRIPTION):
+                        heading = block if kind == pcapng.SECTION_HEADER else heading + block
+                    size += file.write(block)
+                    if size > most:
+                        has_more = True
+                        break
+            yield [path]
+
+
+def _blocks(capture: Path, say: Callable[[str], None]) -> Iterator[reading.Block]:
+    """Yield the blocks of a capture; report where it is damaged."""
+    size, damage = 0, ""
+    try:
+        with reading.opened(capture) as source:
+            for block in reading.blocks(source, capture):
+                size += len(block.body) + 12
+                yield block
+            if size != source.tell():
+                damage = f"{capture} is cut off"
+    except (OSError, NotCaptured) as error:
+        damage = str(error)
+    if damage:
+        say(f"{capture}: only what comes before the damage: {damage}")
 
 
 def _is_told(capture: Path) -> bool:

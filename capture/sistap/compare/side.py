@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
 from sistap.accesses.listing import Listing, Place
+from sistap.captures import portions
 from sistap.captures.joining import in_order
-from sistap.captures.portions import Portion
 from sistap.common.garbage import uncollected
 from sistap.compare.samples import Samples
 from sistap.episodes.engine import Engine
@@ -113,7 +114,11 @@ def read(
         last_s = 0.0
         side.names.append(visible(capture.name))
         progress(f"reading {capture}")
-        with Dissection(tshark, [Portion(capture)], keeps=False) as dissection, uncollected():
+        with (
+            closing(portions.in_turn([capture], portions.TOGETHER, say)) as parts,
+            Dissection(tshark, parts, keeps=False) as dissection,
+            uncollected(),
+        ):
             for count, packet in enumerate(dissection.packets(), 1):
                 side.add(packet, side.names[-1])
                 last_s = max(last_s, packet.end_s)

@@ -10,9 +10,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.captures import since
+from sistap.captures import portions, since
 from sistap.captures.joining import check_captures, in_order
-from sistap.captures.portions import in_turn
 from sistap.captures.reading import NotCaptured
 from sistap.captures.since import Since
 from sistap.common.writing import Incomplete, NotOpened, opened
@@ -54,9 +53,6 @@ exit status:
   1  failed while running: tshark or the plugin is missing; disk full
   2  wrong usage, a CAPTURE that cannot be read or a FILE that cannot be written
 """
-
-# Bytes of captures that are read at once: tshark needs up to three times as much memory. So it needs about 1 GB.
-_TOGETHER = 400_000_000
 
 
 class Format(NamedTuple):
@@ -211,7 +207,7 @@ def _gather(args: argparse.Namespace, console: Console, left_out: _Noting, *, ha
     several = f"{len(captures)} files, {captures[0].name} to {captures[-1].name}"
     name = several if len(captures) > 1 else captures[0].name
     progress(f"reading {name}")
-    with Tshark() as tshark, closing(in_turn(captures, _TOGETHER, left_out)) as files:
+    with Tshark() as tshark, closing(portions.in_turn(captures, portions.TOGETHER, left_out)) as files:
         report = gather(
             tshark, files, args.window, progress, limits_ms, since_s, args.thresholds, has_windows=has_windows
         )

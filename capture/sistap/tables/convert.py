@@ -6,10 +6,11 @@ from __future__ import annotations
 import hashlib
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing
 from pathlib import Path
 
 import sistap
-from sistap.captures.portions import Portion
+from sistap.captures import portions
 from sistap.common.garbage import uncollected
 from sistap.episodes.rules import Thresholds
 from sistap.packets.dissection import Dissection, Packet
@@ -40,7 +41,11 @@ def put(  # noqa: PLR0913 - each comes from another part
             console.say(f"{capture}: is in the tables")
         if is_known and is_judged:
             continue
-        with Dissection(tshark, [Portion(capture)], FIELDS, keeps=False) as dissection, uncollected():
+        with (
+            closing(portions.in_turn([capture], portions.TOGETHER, console.say)) as parts,
+            Dissection(tshark, parts, FIELDS, keeps=False) as dissection,
+            uncollected(),
+        ):
             packets = judging.packets(_told(dissection, capture, console), visible(capture.name))
             if is_known:
                 deque(packets, maxlen=0)
