@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -16,6 +17,7 @@ from sistap import cli
 from sistap.captures import portions, reading
 from sistap.captures.portions import Portion, in_turn
 from sistap.captures.reading import NotCaptured
+from sistap.common.writing import Incomplete
 from sistap.episodes.engine import Engine
 from sistap.files import pcapng
 from sistap.files.output import Limits, Output
@@ -177,6 +179,15 @@ def test_files_that_are_deleted_meanwhile_are_told(night: Path, tmp_path: Path) 
     assert next(read).told > 0
     assert next(read, None) is None
     assert [text.partition(":")[0] for text in said] == [str(second)]
+
+
+def test_no_room_for_a_piece(night: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(kind: int, body: bytes) -> bytes:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(pcapng, "block", full)
+    with pytest.raises(Incomplete, match=r"cannot keep a part of the capture: .*; make room, .* TMPDIR"):
+        next(in_turn([night], night.stat().st_size // PIECES, pytest.fail))
 
 
 def test_a_large_file_that_is_cut_off_says_so(night: Path, tmp_path: Path) -> None:

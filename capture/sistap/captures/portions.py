@@ -86,7 +86,7 @@ def _pieces(portion: Sequence[Path], most: int, say: Callable[[str], None]) -> I
     with temporary.folder() as folder:
         path = folder / "piece.pcapng"
         while has_more:
-            with path.open("wb") as file:
+            with temporary.keeping("a part of the capture"), path.open("wb") as file:
                 size, has_more = file.write(heading), False
                 for kind, _, body in blocks:
                     block = pcapng.block(kind, body)

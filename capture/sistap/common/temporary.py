@@ -80,6 +80,18 @@ def folder() -> Iterator[Path]:
             made.close()
 
 
+@contextmanager
+def keeping(what: str) -> Iterator[None]:
+    """Write into TMPDIR; `what` describes it. Raise Incomplete if there is no room."""
+    try:
+        yield
+    except OSError as error:
+        raise Incomplete(
+            f"{tempfile.gettempdir()} cannot keep {what}: {error.strerror}; make room, or name a larger folder with "
+            "TMPDIR"
+        ) from None
+
+
 class Blobs:
     """Blobs in a file, read by their number. Use it in a `with`; nothing is left behind."""
 
@@ -98,15 +110,10 @@ class Blobs:
 
     def put(self, blob: bytes) -> None:
         """Append a blob. Incomplete if there is no room."""
-        try:
+        with keeping(self._what):
             self._file.seek(self._ends[-1])
             self._file.write(blob)
             self._file.flush()
-        except OSError as error:
-            raise Incomplete(
-                f"{tempfile.gettempdir()} cannot keep {self._what}: {error.strerror}; make room, or name a larger "
-                "folder with TMPDIR"
-            ) from None
         self._ends.append(self._ends[-1] + len(blob))
 
     def get(self, number: int) -> bytes:
