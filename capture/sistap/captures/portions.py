@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from itertools import islice, repeat
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -64,11 +64,11 @@ def in_turn(captures: Sequence[Path], most: int, say: Callable[[str], None]) -> 
         return
     for capture in filter(is_foreign, captures):
         raise NotCaptured(alone(capture))
-    first, *others = portions(captures, most)
+    read = list(portions(captures, most))
     facts = _Facts()
-    is_told = not any(map(_is_cut, (first, *others), repeat(most))) and all(_is_told(portion[0]) for portion in others)
-    for portion in (first, *others):
-        for pieces in _pieces(portion, most, say) if _is_cut(portion, most) else [portion]:
+    is_told = not any(_is_cut(portion, most) for portion in read) and all(_is_told(portion[0]) for portion in read[1:])
+    for portion in read:
+        for pieces in _pieces(portion[0], most, say) if _is_cut(portion, most) else [portion]:
             with temporary.folder() as folder, joined([*facts.file(folder, pieces), *pieces], say) as together:
                 if together.path.stat().st_size:  # not if all are deleted by now
                     yield Portion(together.path, together.number(pieces[0]) - 1)
@@ -77,12 +77,13 @@ def in_turn(captures: Sequence[Path], most: int, say: Callable[[str], None]) -> 
 
 
 def _is_cut(portion: Sequence[Path], most: int) -> bool:
+    """Tell whether it is a capture that is too large."""
     return len(portion) == 1 and _size(portion[0]) > most
 
 
-def _pieces(portion: Sequence[Path], most: int, say: Callable[[str], None]) -> Iterator[list[Path]]:
+def _pieces(capture: Path, most: int, say: Callable[[str], None]) -> Iterator[list[Path]]:
     """Yield pieces of a capture, one after the other in the same file. Each begins with the section and interfaces."""
-    blocks, heading, has_more = _blocks(portion[0], say), b"", True
+    blocks, heading, has_more = _blocks(capture, say), b"", True
     with temporary.folder() as folder:
         path = folder / "piece.pcapng"
         while has_more:
