@@ -1004,6 +1004,12 @@ K.MOST_READ = 244
 -- Bytes of the memory in a command (chapter 5.7).
 K.MOST_PROGRAMMED = 240
 
+-- Bytes of a parameter in a reaction (chapters 8.2 and 8.3). IndraDrive sends up to 245.
+K.MOST_PARAMETER_READ = 236
+
+-- Bytes of a parameter in a command (chapters 8.6 and 8.7). IndraDrive takes up to 243.
+K.MOST_PARAMETER_WRITTEN = 234
+
 -- Tries to connect, and to send a block.
 K.P3964R_MOST_TRIES = 6
 
@@ -3767,7 +3773,7 @@ do
       end
     end
     if unknown ~= 0 then rates[#rates + 1] = strformat("0x%02x (not defined)", unknown) end
-    return concat(rates, ", ")
+    return concat(rates, ", "), unknown
   end
 
   -- A mask of baud rates; of several rates only where `several` are allowed. Adds them to the summary. Gives the rate
@@ -3776,10 +3782,11 @@ do
     local mask = S.take(body, F.init_baud_mask, 1)
 
     if not mask then return nil end
-    local text = baud_mask_text(mask, several)
+    local text, unknown = baud_mask_text(mask, several)
     append_text(body.item, " (" .. text .. ")")
     S.say(body, ": %s", text)
     if not several and band(mask, mask - 1) ~= 0 then S.mark(body, E.body_note, "more than one baud rate") end
+    if unknown ~= 0 then S.mark(body, E.body_note, "undefined bits of the baud rate mask") end
     return tonumber(N.baud_masks[mask])
   end
 
@@ -4422,7 +4429,7 @@ do
   end
 
   -- The commands of a list that a reaction answers: those that no element has answered yet, and whether there are as
-  -- many in the reaction. (is_one_unknown: an element of it may have failed, or has.)
+  -- many in the reaction, or fewer. (is_one_unknown: an element of it may have failed, or has.)
   local function commands_of(list)
     local first = list.asked and list.asked.list
     local command, at = first, list.offset
@@ -4436,7 +4443,7 @@ do
         command = command.next
       end
     end
-    return {next = first, is_each_answered = not command}
+    return {next = first, is_each_answered = not command, is_one_missing = command ~= nil}
   end
 
   -- Service 0x04 has no codes of its own: its overall status is 0 or 1, and its list follows also after an error
@@ -4466,6 +4473,10 @@ do
     while S.left(body) > 0 and not body.is_short do
       dissect_element(body, number, commands)
       number = number + 1
+    end
+    if commands.is_one_missing and not body.is_cut then
+      body.item = body.root
+      S.mark(body, E.body_note, "fewer elements than asked for")
     end
     if body.status == 0x01 and commands.is_each_answered and not commands.is_one_unknown and not body.is_cut then
       body.item = body.root
@@ -4610,8 +4621,15 @@ do
     end
   end
 
-  -- Offset and length count words in ECODRIVE's services, bytes in all others. A read may request any length; written
-  -- data should have the declared length.
+  -- The documents allow no more data in a telegram, some devices do.
+  local function check_most(access, length)
+    local most = is_write(access) and K.MOST_PARAMETER_WRITTEN or K.MOST_PARAMETER_READ
+
+    if length > most then S.mark(access.body, E.body_note, "more than %d bytes", most) end
+  end
+
+  -- Offset and length count words in ECODRIVE's services, bytes in all others. Written data should have the declared
+  -- length. A SYNAX may be asked for any (its page 2-30), and 0x81 has sequential telegrams.
   local function take_segment(access)
     local body = access.body
     local is_words = counts_words(body)
@@ -4625,6 +4643,7 @@ do
     append_text(body.item, " " .. unit .. plural(length))
     if body.request then body.request.segment = offset * 0x10000 + length end
     S.say(body, ", %d %s%s at offset %d", length, unit, plural(length), offset)
+    if is_single(access) and body.service ~= 0x91 then check_most(access, length * (is_words and 2 or 1)) end
     if is_write(access) then check_announced(body, length * (is_words and 2 or 1)) end
     return true
   end
@@ -4652,6 +4671,11 @@ do
     if access.ident and (data.length ~= 2 or S.little_endian(data.bytes, 1, 2) ~= access.ident.number) then
       S.mark(access.body, E.body_note, "a request for the data status carries its own ident number or nothing")
     end
+  end
+
+  -- Only the last piece of a transfer may have no data (chapter 8.2). Of a segment the asked length decides.
+  local function check_missing(access)
+    if access.ident and access.body.is_reaction and not is_segment(access) then S.needs(access.body, F.data, 1) end
   end
 
   -- A list may end before the requested length, and the device may have less room. SYNAX sends one element for any
@@ -4727,7 +4751,12 @@ do
     if body.is_short then return end
     if S.left(body) == 0 and not S.is_sequence_open(body, access.ident, access.element, access.device) then
       check_segment(access, 0)
+      check_missing(access)
       return
+    end
+    if not is_write(access) or not is_segment(access) then
+      body.item = body.root
+      check_most(access, S.left(body))
     end
     local data = find_data(access)
     if not is_single(access) and (not data or S.is_piece(body)) then
@@ -4795,7 +4824,7 @@ do
       return
     elseif not is_write(access) then
       take_data(access)
-    elseif access.element == K.ELEMENT_IDENT or (access.general == 0x1E and S.left(body) == 2) then
+    elseif access.element == K.ELEMENT_IDENT then -- chapters 8.6 and 8.7
       take_data_status(body)
     end
   end

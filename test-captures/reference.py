@@ -37,7 +37,7 @@ COMMANDS = {
 # A reaction between its status and its useful data: the same chapters.
 HEADS = {**dict.fromkeys((0x00, 0x02, 0x03), _ADDRESSED), **dict.fromkeys((0x10, 0x11, 0x1E, 0x1F), _HEAD)}
 # A good reaction after that.
-GOOD = {0x10: "element_data:*", 0x11: "element_data:*", 0x12: "phase", 0x1D: "phase?", 0x1E: "data_status:2?"}
+GOOD = {0x10: "element_data:*", 0x11: "element_data:*", 0x12: "phase", 0x1D: "phase?"}
 # What follows a subservice in a command and in a good reaction: chapters 3.1, 5.1, 6.1; MPH02 for the CRC32.
 SUBSERVICES = {
     0x00: {0x01: ("", "version:5"), 0x02: ("", "firmware:*"), 0x03: ("", "type_key:*"), 0x04: ("", "init.baud_mask")},
@@ -181,8 +181,9 @@ class Body:
                     self.leave()
             elif name == "raw":
                 self.show_rest(None)
-            elif size == 0:
-                self.decoded.note("body.missing", None)
+            elif size == 0:  # what is read has data (chapter 8.2), if this answers a command that is known
+                is_read = self.reaction and self.kind == 0x10 and self.asked and not self.decoded.parameter_open
+                self.decoded.note("body.missing", True if is_read else None)
             elif len(self.left) < size:
                 self.decoded.note("body.missing", None if item.endswith("?") else True)
                 self.show_rest(None)
@@ -341,10 +342,8 @@ def reaction_layout(service: int, body: bytes, asked: bytes | None) -> str:
 
 def _good(kind: int, head: str, body: bytes) -> str:
     """Return the layout of a good reaction behind its status."""
-    if kind == 0x1F and len(body) > 1 and body[1] >> 3 & 7 == IDENT:  # a data status was asked for (chapter 8.7)
+    if kind in (0x1E, 0x1F) and len(body) > 1 and body[1] >> 3 & 7 == IDENT:  # of a data status: chapters 8.6 and 8.7
         return f"{head} data_status:2?"
-    if kind == 0x1E and len(body) > 5:
-        return f"{head} ~"  # more than the data status that may be there
     return f"{head} {_subservice(kind, body, 2)[1] if kind in SUBSERVICES else GOOD.get(kind, '')}"
 
 

@@ -98,9 +98,7 @@ def good_reaction_limits(service: int, body: bytes) -> Limits:  # noqa: PLR0911 
             return 3, OPEN
         case 0x12:
             return 2, 2
-        case 0x1E:
-            return (5, 5) if is_ident(body[1:]) else (3, 5)
-        case 0x1F:
+        case 0x1E | 0x1F:
             return (5, 5) if is_ident(body[1:]) else (3, 3)
     return 1, OPEN
 

@@ -62,7 +62,7 @@ def expected(item: Item) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one pass", "two passes"])
-@pytest.mark.parametrize("name", ["bodies", "bodies-preferences", "outside"])
+@pytest.mark.parametrize("name", ["bodies", "bodies-preferences", "documents", "outside"])
 def test_fields(name: str, passes: tuple[str, ...], tshark: Tshark) -> None:
     path = Path(__file__).parent / f"{name}.txt"
     packets, items = shown(tshark, path, *passes), SCENARIOS[path].items

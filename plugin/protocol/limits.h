@@ -40,6 +40,12 @@
 /* Bytes of the memory in a command (chapter 5.7). */
 #define SIS_MOST_PROGRAMMED 240
 
+/* Bytes of a parameter in a reaction (chapters 8.2 and 8.3). IndraDrive sends up to 245. */
+#define SIS_MOST_PARAMETER_READ 236
+
+/* Bytes of a parameter in a command (chapters 8.6 and 8.7). IndraDrive takes up to 243. */
+#define SIS_MOST_PARAMETER_WRITTEN 234
+
 /* Tries to connect, and to send a block. */
 #define P3964R_MOST_TRIES 6
 

@@ -296,6 +296,8 @@ sis_take_baud_mask(sis_body_t *body, bool several)
     sis_say_words(body, ": ", wmem_strbuf_get_str(text), NULL);
     if (!several && (mask & (mask - 1)) != 0)
         sis_mark(body, &ei_sis_body_note, "more than one baud rate");
+    if (unknown != 0)
+        sis_mark(body, &ei_sis_body_note, "undefined bits of the baud rate mask");
     return rate;
 }
 

@@ -178,6 +178,7 @@ add_error(sis_body_t *list, const sis_body_t *element)
 typedef struct {
     const sis_request_t *next;
     bool is_each_answered; /* there are as many in the reaction */
+    bool is_one_missing;   /* there are fewer */
     bool is_one_unknown;   /* an element of the reaction may have failed, or has */
 } commands_t;
 
@@ -334,6 +335,7 @@ commands_of(const sis_body_t *list)
         command = command->next;
     }
     commands.is_each_answered = command == NULL;
+    commands.is_one_missing = command != NULL;
     return commands;
 }
 
@@ -371,6 +373,10 @@ dissect_list(sis_body_t *body)
     commands = commands_of(body);
     for (unsigned number = 1; sis_left(body) > 0 && !body->is_short; number++)
         dissect_element(body, number, &commands);
+    if (commands.is_one_missing && !body->is_cut) {
+        body->item = body->root;
+        sis_mark(body, &ei_sis_body_note, "fewer elements than asked for");
+    }
     if (body->status == 0x01 && commands.is_each_answered && !commands.is_one_unknown && !body->is_cut) {
         body->item = body->root;
         sis_mark(body, &ei_sis_body_note, "the overall status is 1, but nothing in the list failed");

@@ -5,6 +5,7 @@
 
 #include "parameters/ident.h"
 #include "parameters/values.h"
+#include "protocol/limits.h"
 #include "sis/access.h"
 #include "sis/export.h"
 #include "sis/learned.h"
@@ -198,8 +199,18 @@ check_announced(sis_body_t *body, unsigned announced)
                  "%s bytes than announced", sent < announced ? "fewer" : "more");
 }
 
-/* Offset and length count words in ECODRIVE's services, bytes in all others. A read may request any
- * length; written data should have the declared length. */
+/* The documents allow no more data in a telegram, some devices do. */
+static void
+check_most(const access_t *access, unsigned length)
+{
+    unsigned most = is_write(access) ? SIS_MOST_PARAMETER_WRITTEN : SIS_MOST_PARAMETER_READ;
+
+    if (length > most)
+        sis_mark(access->body, &ei_sis_body_note, "more than %u bytes", most);
+}
+
+/* Offset and length count words in ECODRIVE's services, bytes in all others. Written data should have the
+ * declared length. A SYNAX may be asked for any (its page 2-30), and 0x81 has sequential telegrams. */
 static bool
 take_segment(access_t *access)
 {
@@ -217,6 +228,8 @@ take_segment(access_t *access)
     if (body->request != NULL)
         body->request->segment = offset << 16 | length;
     sis_say(body, ", %u %s%s at offset %u", length, unit, plurality(length, "", "s"), offset);
+    if (is_single(access) && body->service != 0x91)
+        check_most(access, length * (is_words ? 2 : 1));
     if (is_write(access))
         check_announced(body, length * (is_words ? 2 : 1));
     return true;
@@ -256,6 +269,14 @@ check_status_request(const access_t *access, tvbuff_t *tvb)
         (tvb_captured_length(tvb) != 2 || tvb_get_letohs(tvb, 0) != access->ident.number))
         sis_mark(access->body, &ei_sis_body_note,
                  "a request for the data status carries its own ident number or nothing");
+}
+
+/* Only the last piece of a transfer may have no data (chapter 8.2). Of a segment the asked length decides. */
+static void
+check_missing(const access_t *access)
+{
+    if (access->has_ident && access->body->is_reaction && !is_segment(access))
+        sis_needs(access->body, hf_sis_data, 1);
 }
 
 /* A list may end before the requested length, and the device may have less room. SYNAX sends one element for
@@ -341,7 +362,12 @@ take_data(access_t *access)
         return;
     if (sis_left(body) == 0 && !sis_is_sequence_open(body, &subject)) {
         check_segment(access, 0);
+        check_missing(access);
         return;
+    }
+    if (!is_write(access) || !is_segment(access)) {
+        body->item = body->root;
+        check_most(access, sis_left(body));
     }
     if (is_single(access) || (!access->has_ident && access->is_last))
         data = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
@@ -427,7 +453,7 @@ dissect_parameter_reaction(access_t *access)
         return;
     } else if (!is_write(access)) {
         take_data(access);
-    } else if (access->element == SIS_ELEMENT_IDENT || (access->general == 0x1E && sis_left(body) == 2)) {
+    } else if (access->element == SIS_ELEMENT_IDENT) { /* chapters 8.6 and 8.7 */
         take_data_status(body);
     }
 }
