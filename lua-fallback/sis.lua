@@ -402,6 +402,26 @@ N.address_kinds = {
   [K.GLOBAL_BROADCAST] = "global broadcast",
 }
 
+-- What a command of a service is, fig. 2-3: SEND writes, FETCH reads. Of 0x02 its subservice decides, of a list (0x04)
+-- its elements.
+N.command_kinds = {
+  [0x00] = "FETCH",
+  [0x03] = "SEND",
+  [0x10] = "FETCH",
+  [0x11] = "FETCH",
+  [0x12] = "FETCH",
+  [0x1D] = "SEND",
+  [0x1E] = "SEND",
+  [0x1F] = "SEND",
+}
+
+-- What a command to several stations is, by the kind of its address, fig. 2-3. Nobody answers it.
+N.message_kinds = {
+  [6] = "group message, no reaction",
+  [7] = "broadcast message, no reaction",
+  [8] = "broadcast message, no reaction",
+}
+
 -- Telegram control bits 7, 6, 5 of a reaction, ECODRIVE03; the order of the bits is inferred.
 N.control_status_ecodrive03 = {
   [0] = "No error, request processed",
@@ -446,6 +466,14 @@ N.errors_channel = {
   [0x8002] = "Fault in the transmission channel",
   [0x800B] = "Transmission cancelled, another request had priority",
   [0x800C] = "Access not allowed, the transmission channel is still active",
+}
+
+-- What to do after a code of the channel, fig. 2-19.
+N.advice_channel = {
+  [0x8001] = "repeat the command until the channel is free",
+  [0x8002] = "repeat the command to see whether the fault lasts",
+  [0x800B] = "repeat the command until it is executed without being cancelled",
+  [0x800C] = "repeat the command until the active request has ended",
 }
 
 -- Subservices of 0x00, chapter 3.
@@ -598,6 +626,11 @@ N.errors_parameter = {
   [0x8002] = "Failure in the service channel",
   [0x800B] = "Transmission cancelled, another request had priority",
   [0x800C] = "Service channel still active, or parameter occupied by a sequential transmission",
+}
+
+-- What else is said of an error code of parameter services, fig. 8-48.
+N.advice_parameter = {
+  [0x8001] = "not done within the time-out, which C-0-0124 sets; nothing was transferred",
 }
 
 -- Error codes of a phase switch, fig. 8-49.
@@ -781,7 +814,7 @@ N.arcnet7f_commands = {
   [K.ARCNET7F_FETCH] = "FETCH",
 }
 
--- Data types on ARCNET (SYNAX p. 7-12).
+-- Data types on ARCNET (SYNAX p. 7-9, 7-10, 7-21).
 K.ARCNET7F_WORD_ARRAY = 5
 N.arcnet7f_types = {
   [K.ARCNET7F_WORD_ARRAY] = "Word array",
@@ -840,7 +873,8 @@ N.synaxobj_operations = {
   [K.SYNAXOBJ_WRITE_ANSWER] = "write answer",
 }
 
--- Objects (SYNAX chapter 2).
+-- Objects (SYNAX chapter 2). The last three control the multiplex channel (p. 2-15 and 5-5). Its control word holds
+-- Index_out_c, Index_in_c and RR, its status word RA (p. 2-12): no document says which object and which bits.
 K.SYNAXOBJ_DIAGNOSIS_FIELDBUS = 0x5FF0
 K.SYNAXOBJ_STATUS_FIELDBUS = 0x5FF2
 K.SYNAXOBJ_FAULT_CODE_PPC = 0x5FF6
@@ -853,9 +887,9 @@ N.synaxobj_names = {
   [K.SYNAXOBJ_STATUS_FIELDBUS] = "Status fieldbus",
   [0x5FF5] = "Written by the PPC, name not known",
   [K.SYNAXOBJ_FAULT_CODE_PPC] = "Fault code PPC",
-  [0x5FFC] = "Name not known, perhaps of the multiplex channel",
-  [0x5FFD] = "Name not known, perhaps of the multiplex channel",
-  [0x5FFE] = "Name not known, perhaps of the multiplex channel",
+  [0x5FFC] = "Control of the multiplex channel",
+  [0x5FFD] = "Control of the multiplex channel",
+  [0x5FFE] = "Control of the multiplex channel",
 }
 
 -- Services of Interbus PCP, as NIBA-01 prints them.
@@ -892,7 +926,7 @@ N.synaxpd_directions = {
   [K.SYNAXPD_FROM_PPC] = "from the PPC",
 }
 
--- Formats of the parameter channel (SYNAX chapter 3).
+-- Formats of the parameter channel (SYNAX chapter 3). The code of the short format 3 (p. 3-17) is not known.
 K.SYNAXPK_DRIVE_SHORT_1 = 0x00
 K.SYNAXPK_A_SHORT_1 = 0x01
 K.SYNAXPK_SIS_FORMAT = 0x0B
@@ -911,23 +945,24 @@ N.channel_senders = {
   [K.SYNAXPK_SLAVE] = "Slave",
 }
 
--- Errors of the parameter channel itself (FLP p. 11-15).
+-- Errors of the parameter channel itself (FLP p. 11-15); 0x1Fxx from SYNAX p. 3-21.
 N.channel_codes = {
-  [0x0085] = "Sum of the fragments too large",
-  [0x0088] = "Internal error between card and drive",
-  [0x008A] = "Index not present",
-  [0x008B] = "Format unknown",
-  [0x008C] = "Length longer than the channel",
-  [0x008D] = "The channel has only one word",
-  [0x0090] = "Format changed between fragments",
-  [0x0095] = "Read request with more than index and subindex",
-  [0x0096] = "Internal SIS communication error",
-  [0x009A] = "Not implemented",
-  [0x009B] = "Change between old and new channel",
-  [0x009C] = "Subindex does not exist",
-  [0x009D] = "Subindex write-protected",
-  [0x00F0] = "Timeout between card and drive",
-  [0x01FF] = "Length wrong: more than 128 bytes",
+  {0x0085, 0x0085, "Sum of the fragments too large"},
+  {0x0088, 0x0088, "Internal error between card and drive"},
+  {0x008A, 0x008A, "Index not present"},
+  {0x008B, 0x008B, "Format unknown"},
+  {0x008C, 0x008C, "Length longer than the channel"},
+  {0x008D, 0x008D, "The channel has only one word"},
+  {0x0090, 0x0090, "Format changed between fragments"},
+  {0x0095, 0x0095, "Read request with more than index and subindex"},
+  {0x0096, 0x0096, "Internal SIS communication error"},
+  {0x009A, 0x009A, "Not implemented"},
+  {0x009B, 0x009B, "Change between old and new channel"},
+  {0x009C, 0x009C, "Subindex does not exist"},
+  {0x009D, 0x009D, "Subindex write-protected"},
+  {0x00F0, 0x00F0, "Timeout between card and drive"},
+  {0x01FF, 0x01FF, "Length wrong: more than 128 bytes"},
+  {0x1F00, 0x1FFF, "Error of the application SYNAX"},
 }
 
 -- Lines of the ASCII protocol of ECODRIVE and IndraDrive, as MPH-02 (p. 10-86 to 10-91) and public clients have them.
@@ -1024,6 +1059,9 @@ K.RK512_MOST_IO_WORDS = 32
 
 -- Bytes of a command; for more, bit 1 of the info access is 0 (page 8-18).
 K.RK512_MOST_AT_ONCE = 1024
+
+-- Bytes of data in a telegram; what is more comes in follow-ups (page 8-29).
+K.RK512_MOST_IN_TELEGRAM = 128
 
 -- Bytes of data in the parameter channel: it has six words (SYNAX, page 3-3).
 K.SYNAXPK_MOST_DATA = 10
@@ -1715,7 +1753,8 @@ field("sis.command_in", "Command in", ftypes.FRAMENUM, base.NONE, frametype.REQU
 field("sis.reaction_time", "Reaction time", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "From the last character of the command to the first of the reaction; from packet to packet where "
     .. "the times of the characters are not known; not there if both came in one read of the tap, or the "
-    .. "clock was set back between them")
+    .. "clock was set back between them. With an operator terminal BTV05, command and reaction together "
+    .. "take 100 ms at most (chapter 10.1)")
 field("sis.reaction_time.ms", "Reaction time in ms", ftypes.DOUBLE, base.NONE, nil, 0,
   "For a column of the packet list")
 field("sis.repeat_of", "Repeat of", ftypes.FRAMENUM, base.NONE, frametype.RETRANS_PREV, 0,
@@ -1736,7 +1775,7 @@ field("sis.device", "Device address", ftypes.UINT8, base.DEC, nil, 0,
   "Of the device behind the station; its own address, or 0 for the control itself")
 field("sis.subservice", "Subservice", ftypes.UINT8, base.HEX, nil, 0, "What exactly the service shall do")
 field("sis.error", "Error code", ftypes.UINT16, base.HEX, nil, 0,
-  "The full code, where a byte is sent together with its subservice")
+  "The full code, where a byte is sent together with its subservice; behind some codes what to do")
 field("sis.phase", "Phase", ftypes.UINT8, base.DEC, nil, 0,
   "Communication phase of SERCOS: 2 parameter mode, 4 operating mode")
 field("sis.init.baud_mask", "Baud rate mask", ftypes.UINT8, base.HEX, nil, 0, "One bit for each baud rate; 0: 9600")
@@ -1836,7 +1875,8 @@ field("sis.phase.switch_in", "Phase switch in", ftypes.FRAMENUM, base.NONE, nil,
 field("sis.phase.switch_time", "Time of the phase switch", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "From its command to the poll that ended it")
 field("sis.silence_before", "Silence before", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
-  "Since the character before it on this line, arrival to arrival")
+  "Since the character before it on this line, arrival to arrival. An operator terminal BTV05 gives a "
+    .. "link up after 200 ms of silence")
 field("sis.silence_before.ms", "Silence before in ms", ftypes.DOUBLE, base.NONE, nil, 0,
   "For a column of the packet list")
 field("sis.tza.interval_max", "Longest interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
@@ -2051,7 +2091,9 @@ expert_field("synax.pieces.too_many", "SEQUENCE", "NOTE", "More than 8192 pieces
 -- synaxpk
 field("synaxpk.word", "Control or status word", ftypes.UINT16, base.HEX, nil, 0,
   "FBSteuer of the master, FBStatus of the slave")
-field("synaxpk.word.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xc000, "Bits that no document explains")
+field("synaxpk.word.open", "Not defined", ftypes.UINT16, base.HEX, nil, 0xc000,
+  "Bits that no document explains. In the short format 3 the bit Control 1 is always set: its place "
+    .. "is not known (SYNAX p. 3-20)")
 field("synaxpk.word.error", "Error", ftypes.BOOLEAN, 16, nil, 0x2000, "Of the slave; of the master: clear the error")
 field("synaxpk.word.read", "Access to the channel", ftypes.BOOLEAN, 16, {"Read", "Write"}, 0x1000,
   "An order is written and its answer read, that of writing a parameter, too")
@@ -2071,7 +2113,7 @@ field("synaxpk.beyond", "Not valid", ftypes.BYTES, base.NONE, nil, 0, "Bytes of 
 field("synaxpk.byte", "Byte", ftypes.UINT8, base.HEX, nil, 0, "Not defined")
 field("synaxpk.class", "Error class", ftypes.UINT8, base.HEX, nil, 0, "High byte of the error code")
 field("synaxpk.class.code", "Error code in its class", ftypes.UINT8, base.HEX, nil, 0, "Low byte of the error code")
-field("synaxpk.code", "Error of the channel", ftypes.UINT16, base.HEX, N.channel_codes, 0,
+field("synaxpk.code", "Error of the channel", ftypes.UINT16, base.HEX + base.RANGE_STRING, N.channel_codes, 0,
   "Why the channel refuses the request")
 field("synaxpk.sis.length", "Length (DatL)", ftypes.UINT8, base.DEC, nil, 0,
   "Bytes of useful data of the SIS telegram")
@@ -3150,17 +3192,27 @@ do
     reaction = {F.control_status, F.control_reaction, F.control_number, F.control_subaddresses}, -- of ECODRIVE03
   }
 
+  -- SEND, FETCH or a message to several (fig. 2-3); nil: a reaction, or no chapter says so.
+  local function kind_of_command(telegram)
+    if telegram.is_reaction then return nil end
+    local last = telegram.is_good and byte(telegram.path, -1) or telegram.receiver
+
+    return N.message_kinds[S.receiver_kind(last)] or N.command_kinds[S.general_service(telegram.service)]
+  end
+
   local function dissect_control(body)
     local item
 
     if body.tree then
       local has_status = P.edition == K.ECODRIVE03 and body.telegram.is_reaction
+      local kind = kind_of_command(body.telegram)
 
       item = add(body.tree, F.control, body.tvb, 4, 1)
       for _, bit_field in ipairs(has_status and bits.reaction or bits[P.edition]) do
         add(item, bit_field, body.tvb, 4, 1)
       end
-      append_text(item, body.telegram.is_reaction and " (reaction)" or " (command)")
+      append_text(item, strformat(" (%s%s)", body.telegram.is_reaction and "reaction" or "command",
+        kind and ", " .. kind or ""))
     end
     if body.telegram.control >= CONTROL_RESERVED then
       if P.edition == K.IF02 then dissect_control_if02(body, item) else dissect_control_ecodrive03(body, item) end
@@ -3796,11 +3848,13 @@ do
     body.error, body.error_text = code, text
   end
 
-  -- The error code of the service instead of useful data: two bytes ...
-  function S.take_error(body, texts)
+  -- The error code of the service instead of useful data: two bytes, with advice for some codes ...
+  function S.take_error(body, texts, advice)
     local code, text = S.take_code(body, F.error, 2, texts)
 
-    if code then mark_error(body, text, code) end
+    if not code then return end
+    if advice and advice[code] then append_text(body.item, ": " .. advice[code]) end
+    mark_error(body, text, code)
   end
 
   -- ... or one byte, which forms a code together with the subservice.
@@ -3821,7 +3875,7 @@ do
   -- After a status that is neither good nor the service's own error: takes the rest; false for those two.
   function S.take_channel_error(body)
     if body.status == 0x02 then
-      S.take_error(body, N.errors_channel)
+      S.take_error(body, N.errors_channel, N.advice_channel)
     elseif body.status > 0x02 and body.status < 0xF0 then
       S.take_rest(body, F.raw) -- not documented
     end
@@ -4139,11 +4193,15 @@ do
     end
   end
 
-  -- Both numbers 0xFFFFFFFF: everything but loader and kernel.
+  local ERASE_EVERYTHING = " (complete erase without loader and kernel)"
+
+  -- Both numbers 0xFFFFFFFF (fig. 5-15).
   local function take_erase_everything(body)
     if S.left(body) < 8 or sub(body.bytes, body.offset + 1, body.offset + 8) ~= rep("\255", 8) then return false end
     S.take(body, F.flash_address, 4)
+    append_text(body.item, ERASE_EVERYTHING)
     S.take(body, F.flash_length, 4)
+    append_text(body.item, ERASE_EVERYTHING)
     S.say(body, ", all but loader and kernel")
     return true
   end
@@ -4786,7 +4844,7 @@ do
 
   -- The upper digit of a code selects the element, even if the code is undefined.
   local function take_parameter_error(body)
-    S.take_error(body, N.errors_parameter)
+    S.take_error(body, N.errors_parameter, N.advice_parameter)
     local code = body.error
     local digit = rshift(code, 12)
     if digit >= 1 and digit < 8 and not N.errors_parameter[code] then
@@ -8496,6 +8554,7 @@ do
     {"from_both", EX.synax_note, "Both partners send commands, but a PPC only reacts (page 8-3)"},
     {"unanswered_before", EX.synax_unanswered_before, "The command before this one got no reaction"},
     {"too_many_data", EX.synax_unexpected, "More data than the command says"},
+    {"too_few_data", EX.synax_short, "Fewer data than the command asks for"},
     {"too_long_for_last", EX.synax_note, "With more than 1024 bytes, bit 1 of the info access is 0 (page 8-18)"},
   }
 
@@ -8581,18 +8640,21 @@ do
   end
 
   local function note_reaction(bus, d, telegram)
-    local request = bus.request
+    local request, job, data = bus.request, bus.job, sub(d.bytes, d.data_at + 1)
+    local is_error = byte(d.bytes, 4) ~= 0
 
     if not request then return end
     bus.request = nil
     request.answer_in = telegram.frame
     telegram.request_in = request.frame
     telegram.elapsed = T.elapsed(request.finish, packet.time)
-    telegram.job, telegram.command = bus.job, bus.job.command
+    telegram.job, telegram.command = job, job.command
     telegram.is_first = request.is_first
-    if bus.job.command == FETCH and #d.bytes > d.data_at then
-      take_bytes(bus.job, telegram, sub(d.bytes, d.data_at + 1))
+    if job.command == FETCH then
+      telegram.faults.too_few_data = not is_error and #data < min(job.left, K.RK512_MOST_IN_TELEGRAM)
+      if #data > 0 then take_bytes(job, telegram, data) end
     end
+    if is_error then bus.job = nil end -- nothing continues it
   end
 
   -- The job of this telegram; found in the first pass, and kept. A repeated block is ignored.
@@ -9385,7 +9447,15 @@ do
     say(t, ", %d byte%s", count, plural(count))
   end
 
+  -- An answer, too, is a TO.
+  local function check_data(t)
+    if t.command == TO and t.whole == HEAD and not t.is_short then
+      mark(t, nil, EX.synax_short, "A TO sends data (page 7-3)")
+    end
+  end
+
   local function add_block_data(t, block)
+    if block ~= CANCEL_BLOCK then check_data(t) end
     if t.end_ > HEAD then add(t.tree, F.data, t.tvb, HEAD, t.end_ - HEAD) end
     if t.whole == HEAD then return end
     S.add_block_words(t.tree, t.root, FX.arcnet7f_word, t.tvb, HEAD, t.end_, block, false)
@@ -9412,11 +9482,29 @@ do
     add_block_data(t, block)
   end
 
+  local function add_length_words(t)
+    add_le(t.tree, FX.arcnet7f_list_actual, t.tvb, HEAD, 2)
+    add_le(t.tree, FX.arcnet7f_list_maximum, t.tvb, HEAD + 2, 2)
+  end
+
+  -- A list that is whole in its first telegram (page 7-28), in whole words as add_whole() has them. Values that an
+  -- attribute describes show their length words themselves.
+  local function add_whole_list(t, announced, head)
+    local list, offset = t.tvb(0, HEAD + announced):tvb(), HEAD
+
+    say(t, announced > LENGTH_WORDS and ", list" or ", empty list")
+    if not head.known.attribute then
+      add_length_words(t)
+      offset = HEAD + LENGTH_WORDS
+    end
+    say(t, "%s", S.add_head_data(t.tree, t.root, list, offset, false, head))
+    add_raw(t, HEAD + announced, t.end_)
+  end
+
   local function add_first_piece(t, announced)
     local here = t.end_ - HEAD - LENGTH_WORDS
 
-    add_le(t.tree, FX.arcnet7f_list_actual, t.tvb, HEAD, 2)
-    add_le(t.tree, FX.arcnet7f_list_maximum, t.tvb, HEAD + 2, 2)
+    add_length_words(t)
     if here > 0 then add(t.tree, F.data, t.tvb, HEAD + LENGTH_WORDS, here) end
     say(t, ", list of %d bytes, %d here", announced - LENGTH_WORDS, here)
   end
@@ -9432,10 +9520,13 @@ do
       if length > 0 then add(t.tree, F.data, t.tvb, HEAD, length) end
       return
     end
-    if not head.is_parameter or head.is_last or (announced == length and length > 0) then
+    if not head.is_parameter or head.is_last then
+      check_data(t)
       local telegram = t.end_ == #t.bytes and t.tvb or t.tvb(0, t.end_):tvb()
 
       say(t, "%s", S.add_head_data(t.tree, t.root, telegram, HEAD, false, head))
+    elseif announced > 0 and announced + announced % 2 == length then
+      add_whole_list(t, announced, head)
     elseif announced > length then
       add_first_piece(t, announced)
     else
@@ -9765,7 +9856,7 @@ do
       return
     end
     local code = big_endian(c.bytes, WORD_SIZE)
-    local text = N.channel_codes[code]
+    local text = range_text(code, N.channel_codes)
 
     if not text and rshift(code, 8) == SERIAL_ERRORS then text = strformat("Serial error %d", code % 0x100) end
     if not text then
@@ -10155,10 +10246,14 @@ do
     d.pinfo.cols.info:append(strformat("  0x%04x", word))
   end
 
+  local MULTIPLEX_WORD = "Control or status word of the multiplex channel: which bits are Index_out_c, "
+    .. "Index_in_c, RR and RA is not defined"
+
   local function dissect_unknown(d)
     add_raw(d, FX.synaxobj_raw, d.offset, d.length)
     d.pinfo.cols.info:append(strformat("  %d byte%s", d.length, plural(d.length)))
-    add_expert(d.root, EX.synax_note, strformat("What object 0x%04X holds is not defined", d.access.index))
+    add_expert(d.root, EX.synax_note, objects[d.access.index] and MULTIPLEX_WORD
+      or strformat("What object 0x%04X holds is not defined", d.access.index))
   end
 
   local function dissect_without_content(d)

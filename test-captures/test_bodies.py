@@ -83,3 +83,31 @@ def test_unit_of_a_list_segment(tshark: Tshark) -> None:
     words = {line.split("\t")[0] for line in lines if re.search(" words? at offset ", line)}
     octets = {line.split("\t")[0] for line in lines if re.search(" bytes? at offset ", line)}
     assert (words, octets) == ({"0x81", "0x8e"}, {"0x11", "0x1e", "0x91", "0x9e"})
+
+
+ERASED = "(complete erase without loader and kernel)"
+# What documents.txt says in its tree only, by packet.
+IN_THE_TREE = {
+    1: ["Telegram control: 0x00 (command, SEND)"],  # fig. 2-3; 0x1E writes, and so does 0x03
+    2: ["Telegram control: 0x10 (reaction)"],
+    10: ["Telegram control: 0x00 (command, FETCH)"],  # 0x10 reads, and so does 0x00
+    65: ["Telegram control: 0x00 (command)\n"],  # a list may do both
+    71: ["Telegram control: 0x00 (command, FETCH)"],
+    73: ["Telegram control: 0x00 (command, SEND)"],
+    80: ["Transmission channel busy (0x8001): repeat the command until the channel is free"],  # fig. 2-19
+    82: ["Fault in the transmission channel (0x8002): repeat the command to see whether the fault lasts"],
+    84: ["had priority (0x800b): repeat the command until it is executed without being cancelled"],
+    86: ["still active (0x800c): repeat the command until the active request has ended"],
+    88: ["(0x8001): not done within the time-out, which C-0-0124 sets; nothing was transferred"],  # fig. 8-48
+    89: ["Telegram control: 0x00 (command)\n", f"Memory address: 0xffffffff {ERASED}", f"4294967295 bytes {ERASED}"],
+    91: ["Memory address: 0xffffffff\n", "Length: 4096 bytes\n"],
+    93: ["Telegram control: 0x00 (command, group message, no reaction)"],
+    94: ["Telegram control: 0x00 (command, broadcast message, no reaction)"],
+    95: ["Telegram control: 0x01 (command, broadcast message, no reaction)"],
+}
+
+
+def test_what_the_tree_says(tshark: Tshark) -> None:
+    capture = str(Path(__file__).parent / "documents.pcapng")
+    trees = re.split(r"^Frame \d+:", tshark.output("-r", capture, "-V", "-O", "sis"), flags=re.MULTILINE)
+    assert [(number, text) for number, texts in IN_THE_TREE.items() for text in texts if text not in trees[number]] == []

@@ -51,8 +51,8 @@ TELEGRAMS: Table = {
     16: f"{TO}; arcnet7f.length=4; sis.raw=030002013c001000; synax.note",
     # Actual length 5, maximum 4; actual length 2 with its 2 bytes; an empty list; nothing at all
     17: f"{TO}; arcnet7f.length=5; {LIST}; sis.data=05000400; synax.note",
-    18: f"{TO}; arcnet7f.length=6; {LIST}; sis.data=020010000102",
-    19: f"{TO}; arcnet7f.length=5; {LIST}; sis.data=00001000",
+    18: f"{TO}; arcnet7f.length=6; {LIST}; arcnet7f.list.actual=2; arcnet7f.list.maximum=16; sis.data=0102",
+    19: f"{TO}; arcnet7f.length=5; {LIST}; arcnet7f.list.actual=0; arcnet7f.list.maximum=16",
     20: f"{TO}; arcnet7f.length=3; {LIST}; synax.note",
     21: "arcnet7f.message=0x1c20; arcnet7f.command=0; arcnet7f.length=1; sis.data=1234; synax.note",
     22: "arcnet7f.message=0x1cff; arcnet7f.command=1; arcnet7f.length=0",

@@ -54,6 +54,25 @@ const value_string sis_address_kinds[] = {
     {0, NULL},
 };
 
+const value_string sis_command_kinds[] = {
+    {0x00, "FETCH"},
+    {0x03, "SEND"},
+    {0x10, "FETCH"},
+    {0x11, "FETCH"},
+    {0x12, "FETCH"},
+    {0x1D, "SEND"},
+    {0x1E, "SEND"},
+    {0x1F, "SEND"},
+    {0, NULL},
+};
+
+const value_string sis_message_kinds[] = {
+    {6, "group message, no reaction"},
+    {7, "broadcast message, no reaction"},
+    {8, "broadcast message, no reaction"},
+    {0, NULL},
+};
+
 const value_string sis_control_status_ecodrive03[] = {
     {0, "No error, request processed"},
     {1, "Request still being processed"},
@@ -97,6 +116,14 @@ const value_string sis_errors_channel[] = {
     {0x8002, "Fault in the transmission channel"},
     {0x800B, "Transmission cancelled, another request had priority"},
     {0x800C, "Access not allowed, the transmission channel is still active"},
+    {0, NULL},
+};
+
+const value_string sis_advice_channel[] = {
+    {0x8001, "repeat the command until the channel is free"},
+    {0x8002, "repeat the command to see whether the fault lasts"},
+    {0x800B, "repeat the command until it is executed without being cancelled"},
+    {0x800C, "repeat the command until the active request has ended"},
     {0, NULL},
 };
 
@@ -242,6 +269,11 @@ const value_string sis_errors_parameter[] = {
     {0x8002, "Failure in the service channel"},
     {0x800B, "Transmission cancelled, another request had priority"},
     {0x800C, "Service channel still active, or parameter occupied by a sequential transmission"},
+    {0, NULL},
+};
+
+const value_string sis_advice_parameter[] = {
+    {0x8001, "not done within the time-out, which C-0-0124 sets; nothing was transferred"},
     {0, NULL},
 };
 
@@ -456,9 +488,9 @@ const value_string sis_synaxobj_names[] = {
     {SYNAXOBJ_STATUS_FIELDBUS, "Status fieldbus"},
     {0x5FF5, "Written by the PPC, name not known"},
     {SYNAXOBJ_FAULT_CODE_PPC, "Fault code PPC"},
-    {0x5FFC, "Name not known, perhaps of the multiplex channel"},
-    {0x5FFD, "Name not known, perhaps of the multiplex channel"},
-    {0x5FFE, "Name not known, perhaps of the multiplex channel"},
+    {0x5FFC, "Control of the multiplex channel"},
+    {0x5FFD, "Control of the multiplex channel"},
+    {0x5FFE, "Control of the multiplex channel"},
     {0, NULL},
 };
 
@@ -508,23 +540,24 @@ const value_string sis_channel_senders[] = {
     {0, NULL},
 };
 
-const value_string sis_channel_codes[] = {
-    {0x0085, "Sum of the fragments too large"},
-    {0x0088, "Internal error between card and drive"},
-    {0x008A, "Index not present"},
-    {0x008B, "Format unknown"},
-    {0x008C, "Length longer than the channel"},
-    {0x008D, "The channel has only one word"},
-    {0x0090, "Format changed between fragments"},
-    {0x0095, "Read request with more than index and subindex"},
-    {0x0096, "Internal SIS communication error"},
-    {0x009A, "Not implemented"},
-    {0x009B, "Change between old and new channel"},
-    {0x009C, "Subindex does not exist"},
-    {0x009D, "Subindex write-protected"},
-    {0x00F0, "Timeout between card and drive"},
-    {0x01FF, "Length wrong: more than 128 bytes"},
-    {0, NULL},
+const range_string sis_channel_codes[] = {
+    {0x0085, 0x0085, "Sum of the fragments too large"},
+    {0x0088, 0x0088, "Internal error between card and drive"},
+    {0x008A, 0x008A, "Index not present"},
+    {0x008B, 0x008B, "Format unknown"},
+    {0x008C, 0x008C, "Length longer than the channel"},
+    {0x008D, 0x008D, "The channel has only one word"},
+    {0x0090, 0x0090, "Format changed between fragments"},
+    {0x0095, 0x0095, "Read request with more than index and subindex"},
+    {0x0096, 0x0096, "Internal SIS communication error"},
+    {0x009A, 0x009A, "Not implemented"},
+    {0x009B, 0x009B, "Change between old and new channel"},
+    {0x009C, 0x009C, "Subindex does not exist"},
+    {0x009D, 0x009D, "Subindex write-protected"},
+    {0x00F0, 0x00F0, "Timeout between card and drive"},
+    {0x01FF, 0x01FF, "Length wrong: more than 128 bytes"},
+    {0x1F00, 0x1FFF, "Error of the application SYNAX"},
+    {0, 0, NULL},
 };
 
 const value_string sis_ascii_kinds[] = {

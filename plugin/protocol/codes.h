@@ -26,6 +26,13 @@ typedef enum {
 } sis_address_kind_t;
 extern const value_string sis_address_kinds[];
 
+/* What a command of a service is, fig. 2-3: SEND writes, FETCH reads. Of 0x02 its subservice decides, of a
+ * list (0x04) its elements. */
+extern const value_string sis_command_kinds[];
+
+/* What a command to several stations is, by the kind of its address, fig. 2-3. Nobody answers it. */
+extern const value_string sis_message_kinds[];
+
 /* Telegram control bits 7, 6, 5 of a reaction, ECODRIVE03; the order of the bits is inferred. */
 extern const value_string sis_control_status_ecodrive03[];
 
@@ -38,6 +45,9 @@ extern const value_string sis_status_phase[];
 
 /* The error code after status 2, unless a service has another meaning for it, fig. 2-19. */
 extern const value_string sis_errors_channel[];
+
+/* What to do after a code of the channel, fig. 2-19. */
+extern const value_string sis_advice_channel[];
 
 /* Subservices of 0x00, chapter 3. */
 extern const value_string sis_subservices_identification[];
@@ -77,6 +87,9 @@ extern const value_string sis_elements[];
 /* Error codes of parameter services, fig. 8-48; 0x00A0 and 0x00B0 from SYNAX, 0x8002, 0x800B and 0x800C
  * from IndraDrive, whose manual has two meanings for the last. */
 extern const value_string sis_errors_parameter[];
+
+/* What else is said of an error code of parameter services, fig. 8-48. */
+extern const value_string sis_advice_parameter[];
 
 /* Error codes of a phase switch, fig. 8-49. */
 extern const value_string sis_errors_phase[];
@@ -177,7 +190,7 @@ enum {
 };
 extern const value_string sis_arcnet7f_commands[];
 
-/* Data types on ARCNET (SYNAX p. 7-12). */
+/* Data types on ARCNET (SYNAX p. 7-9, 7-10, 7-21). */
 enum {
     ARCNET7F_WORD_ARRAY = 5,
 };
@@ -208,7 +221,9 @@ typedef enum {
 } synaxobj_operation_t;
 extern const value_string sis_synaxobj_operations[];
 
-/* Objects (SYNAX chapter 2). */
+/* Objects (SYNAX chapter 2). The last three control the multiplex channel (p. 2-15 and 5-5). Its control
+ * word holds Index_out_c, Index_in_c and RR, its status word RA (p. 2-12): no document says which object
+ * and which bits. */
 enum {
     SYNAXOBJ_DIAGNOSIS_FIELDBUS = 0x5FF0,
     SYNAXOBJ_STATUS_FIELDBUS = 0x5FF2,
@@ -226,7 +241,8 @@ enum {
 };
 extern const value_string sis_synaxpd_directions[];
 
-/* Formats of the parameter channel (SYNAX chapter 3). */
+/* Formats of the parameter channel (SYNAX chapter 3). The code of the short format 3 (p. 3-17) is not
+ * known. */
 enum {
     SYNAXPK_DRIVE_SHORT_1 = 0x00,
     SYNAXPK_A_SHORT_1 = 0x01,
@@ -241,8 +257,8 @@ enum {
 };
 extern const value_string sis_channel_senders[];
 
-/* Errors of the parameter channel itself (FLP p. 11-15). */
-extern const value_string sis_channel_codes[];
+/* Errors of the parameter channel itself (FLP p. 11-15); 0x1Fxx from SYNAX p. 3-21. */
+extern const range_string sis_channel_codes[];
 
 /* Lines of the ASCII protocol of ECODRIVE and IndraDrive, as MPH-02 (p. 10-86 to 10-91) and public clients
  * have them. */

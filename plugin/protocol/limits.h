@@ -61,6 +61,9 @@
 /* Bytes of a command; for more, bit 1 of the info access is 0 (page 8-18). */
 #define RK512_MOST_AT_ONCE 1024
 
+/* Bytes of data in a telegram; what is more comes in follow-ups (page 8-29). */
+#define RK512_MOST_IN_TELEGRAM 128
+
 /* Bytes of data in the parameter channel: it has six words (SYNAX, page 3-3). */
 #define SYNAXPK_MOST_DATA 10
 

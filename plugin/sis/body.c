@@ -311,13 +311,16 @@ mark_error(sis_body_t *body, const char *text, uint32_t code)
 }
 
 void
-sis_take_error(sis_body_t *body, const value_string *texts)
+sis_take_error(sis_body_t *body, const value_string *texts, const value_string *advice)
 {
     uint32_t code;
     const char *text = sis_take_code(body, hf_sis_error, 2, texts, &code);
 
-    if (text != NULL)
-        mark_error(body, text, code);
+    if (text == NULL)
+        return;
+    if (advice != NULL && try_val_to_str(code, advice) != NULL)
+        proto_item_append_text(body->item, ": %s", try_val_to_str(code, advice));
+    mark_error(body, text, code);
 }
 
 void
@@ -346,7 +349,7 @@ bool
 sis_take_channel_error(sis_body_t *body)
 {
     if (body->status == 0x02)
-        sis_take_error(body, sis_errors_channel);
+        sis_take_error(body, sis_errors_channel, sis_advice_channel);
     else if (body->status > 0x02 && body->status < 0xF0)
         sis_take_rest(body, hf_sis_raw); /* not documented */
     return body->status >= 0x02;

@@ -97,8 +97,9 @@ unsigned sis_left(const sis_body_t *body);
 /* A reaction without error; its useful data follow. */
 bool sis_is_ok(const sis_body_t *body);
 
-/* The error code of the service instead of useful data: two bytes ... */
-void sis_take_error(sis_body_t *body, const value_string *texts);
+/* The error code of the service instead of useful data: two bytes, with `advice` for some codes (NULL: none)
+ * ... */
+void sis_take_error(sis_body_t *body, const value_string *texts, const value_string *advice);
 /* ... or one byte, which forms a code together with the subservice. */
 void sis_take_error_byte(sis_body_t *body, uint8_t subservice, const value_string *texts);
 

@@ -120,6 +120,17 @@ dissect_control_ecodrive03(const dissection_t *d, proto_item *ti)
     wmem_strbuf_append_printf(d->marks, "  [control status %u: %s]", status, text);
 }
 
+/* SEND, FETCH or a message to several (fig. 2-3); NULL: a reaction, or no chapter says so. */
+static const char *
+kind_of_command(const sis_telegram_t *telegram)
+{
+    const char *text = try_val_to_str(sis_receiver_kind(telegram->last_address), sis_message_kinds);
+
+    if (telegram->is_reaction)
+        return NULL;
+    return text != NULL ? text : try_val_to_str(sis_general_service(telegram->service), sis_command_kinds);
+}
+
 static void
 dissect_control(const dissection_t *d)
 {
@@ -136,12 +147,15 @@ dissect_control(const dissection_t *d)
                                                &hf_sis_control_number, &hf_sis_control_subaddresses, NULL}};
     bool is_if02 = pref_sis_edition == SIS_EDITION_IF02;
     int *const *bits = is_if02 ? bits_if02 : bits_ecodrive03[d->telegram->is_reaction];
+    const char *kind;
     proto_item *ti = NULL;
 
     if (d->tree != NULL) {
+        kind = kind_of_command(d->telegram);
         ti = proto_tree_add_bitmask_with_flags(d->tree, d->tvb, 4, hf_sis_control, ett_sis_control, bits,
                                                ENC_NA, BMT_NO_APPEND);
-        proto_item_append_text(ti, " (%s)", d->telegram->is_reaction ? "reaction" : "command");
+        proto_item_append_text(ti, " (%s%s%s)", d->telegram->is_reaction ? "reaction" : "command",
+                               kind != NULL ? ", " : "", kind != NULL ? kind : "");
     }
     if (is_if02)
         dissect_control_if02(d, ti);

@@ -310,9 +310,19 @@ say_bytes(telegram_t *t, unsigned count)
     wmem_strbuf_append_printf(t->words, ", %u byte%s", count, plurality(count, "", "s"));
 }
 
+/* An answer, too, is a TO. */
+static void
+check_data(telegram_t *t)
+{
+    if (t->command == ARCNET7F_TO && t->whole == HEAD && !t->is_short)
+        mark(t, NULL, &ei_synax_short, "A TO sends data (page 7-3)");
+}
+
 static void
 add_block_data(telegram_t *t, unsigned block)
 {
+    if (block != CANCEL_BLOCK)
+        check_data(t);
     if (t->end > HEAD)
         proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, t->end - HEAD, ENC_NA);
     if (t->whole == HEAD)
@@ -346,14 +356,35 @@ add_block(telegram_t *t)
     add_block_data(t, block);
 }
 
+static void
+add_length_words(const telegram_t *t)
+{
+    proto_tree_add_item(t->tree, hf_arcnet7f_list_actual, t->tvb, HEAD, 2, ENC_LITTLE_ENDIAN);
+    proto_tree_add_item(t->tree, hf_arcnet7f_list_maximum, t->tvb, HEAD + 2, 2, ENC_LITTLE_ENDIAN);
+}
+
+/* A list that is whole in its first telegram (page 7-28), in whole words as add_whole() has them. Values that
+ * an attribute describes show their length words themselves. */
+static void
+add_whole_list(telegram_t *t, unsigned announced, const synax_head_t *head)
+{
+    bool has_attribute = head->known.attribute_from != SIS_FROM_NOWHERE;
+
+    wmem_strbuf_append(t->words, announced > LENGTH_WORDS ? ", list" : ", empty list");
+    if (!has_attribute)
+        add_length_words(t);
+    synax_add_data(t->tree, t->pinfo, tvb_new_subset_length(t->tvb, HEAD, announced),
+                   has_attribute ? 0 : LENGTH_WORDS, ENC_LITTLE_ENDIAN, head, t->words);
+    add_raw(t, HEAD + announced, t->end);
+}
+
 /* The first piece of a list: its length words, and whatever follows them. */
 static void
 add_first_piece(telegram_t *t, unsigned announced)
 {
     unsigned here = t->end - HEAD - LENGTH_WORDS;
 
-    proto_tree_add_item(t->tree, hf_arcnet7f_list_actual, t->tvb, HEAD, 2, ENC_LITTLE_ENDIAN);
-    proto_tree_add_item(t->tree, hf_arcnet7f_list_maximum, t->tvb, HEAD + 2, 2, ENC_LITTLE_ENDIAN);
+    add_length_words(t);
     if (here > 0)
         proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD + LENGTH_WORDS, here, ENC_NA);
     wmem_strbuf_append_printf(t->words, ", list of %u bytes, %u here", announced - LENGTH_WORDS, here);
@@ -374,8 +405,11 @@ add_parameter(telegram_t *t)
             proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, length, ENC_NA);
         return;
     }
-    if (!head.is_parameter || head.is_last || (announced == length && length > 0)) {
+    if (!head.is_parameter || head.is_last) {
+        check_data(t);
         synax_add_data(t->tree, t->pinfo, data, 0, ENC_LITTLE_ENDIAN, &head, t->words);
+    } else if (announced > 0 && announced + announced % 2 == length) {
+        add_whole_list(t, announced, &head);
     } else if (announced > length) {
         add_first_piece(t, announced);
     } else {

@@ -54,6 +54,7 @@ typedef enum {
     UNANSWERED_BEFORE = 1 << 1,
     TOO_MANY_DATA = 1 << 2,
     TOO_LONG_FOR_LAST = 1 << 3,
+    TOO_FEW_DATA = 1 << 4,
 } fault_t;
 
 /* A telegram, with the results of the first pass. */
@@ -185,6 +186,8 @@ static void
 note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, int64_t begin)
 {
     telegram_t *request = bus->request;
+    unsigned count = tvb_captured_length(d->tvb) - d->data_at;
+    bool is_error = compat_get_uint8(d->tvb, 3) != 0;
 
     if (request == NULL)
         return;
@@ -194,9 +197,13 @@ note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, int64_t b
     telegram->elapsed = sertap_elapsed(request->end, begin);
     telegram->job = &telegram->as_it_was;
     telegram->is_first = request->is_first;
-    if (bus->job.command == RK512_FETCH && tvb_captured_length(d->tvb) > d->data_at)
-        take_bytes(&bus->job, telegram, tvb_captured_length(d->tvb) - d->data_at);
+    if (bus->job.command == RK512_FETCH && !is_error && count < MIN(bus->job.left, RK512_MOST_IN_TELEGRAM))
+        telegram->faults |= TOO_FEW_DATA;
+    if (bus->job.command == RK512_FETCH && count > 0)
+        take_bytes(&bus->job, telegram, count);
     telegram->as_it_was = bus->job;
+    if (is_error)
+        bus->job = (job_t){0}; /* nothing continues it */
 }
 
 /* The job of this telegram; found in the first pass, and kept. A repeated block is ignored. */
@@ -243,6 +250,7 @@ show_faults(const dissection_t *d)
         {FROM_BOTH, &ei_synax_note, "Both partners send commands, but a PPC only reacts (page 8-3)"},
         {UNANSWERED_BEFORE, &ei_synax_unanswered_before, "The command before this one got no reaction"},
         {TOO_MANY_DATA, &ei_synax_unexpected, "More data than the command says"},
+        {TOO_FEW_DATA, &ei_synax_short, "Fewer data than the command asks for"},
         {TOO_LONG_FOR_LAST, &ei_synax_note,
          "With more than 1024 bytes, bit 1 of the info access is 0 (page 8-18)"},
     };

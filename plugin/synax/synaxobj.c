@@ -282,8 +282,13 @@ dissect_unknown(const dissection_t *d)
 {
     add_raw(d, hf_synaxobj_raw, d->offset, d->length);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "  %u byte%s", d->length, plurality(d->length, "", "s"));
-    expert_add_info_format(d->pinfo, d->root, &ei_synax_note, "What object 0x%04X holds is not defined",
-                           d->access->number);
+    if (synaxobj_is_known(d->access->number))
+        expert_add_info_format(d->pinfo, d->root, &ei_synax_note,
+                               "Control or status word of the multiplex channel: which bits are Index_out_c, "
+                               "Index_in_c, RR and RA is not defined");
+    else
+        expert_add_info_format(d->pinfo, d->root, &ei_synax_note, "What object 0x%04X holds is not defined",
+                               d->access->number);
 }
 
 /* A write request and a read answer contain the object, the others do not. */

@@ -322,7 +322,7 @@ add_channel_error(channel_t *c)
         return;
     }
     code = tvb_get_ntohs(c->tvb, WORD_SIZE);
-    text = try_val_to_str(code, sis_channel_codes);
+    text = try_rval_to_str(code, sis_channel_codes);
     if (text == NULL && (code & 0xFF00) == SERIAL_ERRORS)
         text = wmem_strdup_printf(c->pinfo->pool, "Serial error %u", code & 0xFF);
     if (text == NULL) {

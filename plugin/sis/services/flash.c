@@ -90,14 +90,18 @@ take_flash_device_type(sis_body_t *body, unsigned size)
 
 static const sis_layouts_t layouts = SIS_LAYOUTS_FLASH;
 
-/* Both numbers 0xFFFFFFFF: everything but loader and kernel. */
+/* Both numbers 0xFFFFFFFF (fig. 5-15). */
 static bool
 take_erase_everything(sis_body_t *body)
 {
+    static const char words[] = "complete erase without loader and kernel";
+
     if (sis_left(body) < 8 || tvb_get_letoh64(body->tvb, body->offset) != G_MAXUINT64)
         return false;
     sis_take(body, hf_sis_flash_address, 4, NULL);
+    proto_item_append_text(body->item, " (%s)", words);
     sis_take(body, hf_sis_flash_length, 4, NULL);
+    proto_item_append_text(body->item, " (%s)", words);
     sis_say_words(body, ", all but loader and kernel", NULL);
     return true;
 }

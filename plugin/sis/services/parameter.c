@@ -411,7 +411,7 @@ take_parameter_error(sis_body_t *body)
 {
     uint32_t digit;
 
-    sis_take_error(body, sis_errors_parameter);
+    sis_take_error(body, sis_errors_parameter, sis_advice_parameter);
     digit = body->error >> 12;
     if (digit >= 1 && digit < 8 && try_val_to_str(body->error, sis_errors_parameter) == NULL)
         proto_item_append_text(body->item, ", element: %s", val_to_str_const(digit, sis_elements, ""));

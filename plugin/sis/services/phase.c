@@ -102,7 +102,7 @@ dissect_phase_reaction(sis_body_t *body)
     if (!(is_switch && body->status == 0 && sis_left(body) == 0) && !take_phase(body, &phase))
         return;
     if (body->status == 0x02)
-        sis_take_error(body, sis_errors_phase);
+        sis_take_error(body, sis_errors_phase, NULL);
     if (body->is_nested || body->record == NULL || body->record->exchange == NULL)
         return;
     if (!body->pinfo->fd->visited)
