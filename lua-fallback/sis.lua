@@ -9490,10 +9490,10 @@ do
   -- A list that is whole in its first telegram (page 7-28), in whole words as add_whole() has them. Values that an
   -- attribute describes show their length words themselves.
   local function add_whole_list(t, announced, head)
-    local list, offset = t.tvb(0, HEAD + announced):tvb(), HEAD
+    local list, offset, has_attribute = t.tvb(0, HEAD + announced):tvb(), HEAD, head.known.attribute
 
-    say(t, announced > LENGTH_WORDS and ", list" or ", empty list")
-    if not head.known.attribute then
+    say(t, (announced > LENGTH_WORDS or has_attribute) and ", list" or ", empty list")
+    if not has_attribute then
       add_length_words(t)
       offset = HEAD + LENGTH_WORDS
     end

@@ -41,6 +41,13 @@ class Table(NamedTuple):
     where: Callable[[Packet], bool] = lambda packet: True
     capture: str = "codes"
     edition: str = "IF02"
+    advice: dict[int, str] = {}  # what tshark writes behind the label of a code
+
+
+def label_of(table: Table, code: int) -> str:
+    """Return what tshark writes for a code."""
+    label = table.label.format(code=code, text=table.texts.get(code))
+    return f"{label}: {table.advice[code]}" if code in table.advice else label
 
 
 def ranges(*rows: tuple[int, int, str]) -> dict[int, str]:
@@ -207,9 +214,14 @@ TABLES = [
            0x8002: "Fault in the transmission channel",
            0x800B: "Transmission cancelled, another request had priority",
            0x800C: "Access not allowed, the transmission channel is still active"},
-          where=lambda packet: packet.service not in PHASE_SERVICES and packet.status == 2),
-    Table("errors_parameter", 41 + 5, "error", "Error code: {text} (0x{code:04x})",
-          PARAMETER_ERRORS | SYNAX_AND_INDRADRIVE_ERRORS, where=after(PARAMETER_SERVICES, 1)),
+          where=lambda packet: packet.service not in PHASE_SERVICES and packet.status == 2,
+          advice={0x8001: "repeat the command until the channel is free",
+                  0x8002: "repeat the command to see whether the fault lasts",
+                  0x800B: "repeat the command until it is executed without being cancelled",
+                  0x800C: "repeat the command until the active request has ended"}),
+    Table("errors_parameter", 41 + 5, "error", "Error code: {text} (0x{code:04x})",  # fig. 8-48
+          PARAMETER_ERRORS | SYNAX_AND_INDRADRIVE_ERRORS, where=after(PARAMETER_SERVICES, 1),
+          advice={0x8001: "not done within the time-out, which C-0-0124 sets; nothing was transferred"}),
     Table("errors_phase", 4, "error", "Error code: {text} (0x{code:04x})",  # fig. 8-49
           {0x8004: "Wrong phase requested over the serial protocol",
            0xD005: "Phase switch still active",
@@ -342,7 +354,7 @@ def test_tshark(table: Table, tshark: Tshark) -> None:
     }
     shown = table.texts.keys() if table.shown is None else table.shown
     assert {code for code, _ in labels} >= shown, "not in the capture"
-    assert labels == {(code, table.label.format(code=code, text=table.texts.get(code))) for code, _ in labels}
+    assert labels == {(code, label_of(table, code)) for code, _ in labels}
 
 
 def test_severity_of_a_status(tshark: Tshark) -> None:

@@ -26,7 +26,7 @@ SET_RATE = [
     ("D7", "frame", "Checksum: 0xd7 [correct]"),
     ("03", "frame", "Data length: 3"),
     ("03", "frame", "Data length repetition: 3"),
-    ("00", "control", "Telegram control: 0x00 (command)"),
+    ("00", "control", "Telegram control: 0x00 (command, SEND)"),
     ("03", "service", "Initialization of the SIS communication (0x03)"),
     ("10", "address", "Sender address: 16"),
     ("03", "address", "Receiver address: 3"),

@@ -370,7 +370,7 @@ add_whole_list(telegram_t *t, unsigned announced, const synax_head_t *head)
 {
     bool has_attribute = head->known.attribute_from != SIS_FROM_NOWHERE;
 
-    wmem_strbuf_append(t->words, announced > LENGTH_WORDS ? ", list" : ", empty list");
+    wmem_strbuf_append(t->words, announced > LENGTH_WORDS || has_attribute ? ", list" : ", empty list");
     if (!has_attribute)
         add_length_words(t);
     synax_add_data(t->tree, t->pinfo, tvb_new_subset_length(t->tvb, HEAD, announced),
