@@ -5022,6 +5022,7 @@ do
       damaged_in = 0, -- the last of them
       lost_in = 0, -- the last loss of characters
       last = {}, -- command of each master
+      newest = nil, -- command of all masters
       streams = {},
       learned = {},
       devices = {}, -- types of each device, by stations and device
@@ -5175,6 +5176,7 @@ do
     find_route(exchange, telegram, bytes)
     if before then follow_command(exchange, before, telegram) end
     bus.last[telegram.sender] = exchange
+    bus.newest = exchange
     if from.last then S.route_leave(from.last) end
     from.telegram = telegram
     from.bytes = bytes
@@ -5219,11 +5221,16 @@ do
   end
 
   -- It was answered or the master went on, and a damaged telegram came since. That one may have been another command,
-  -- so a reaction that comes now belongs to the damaged telegram.
+  -- so a reaction that comes now belongs to the damaged telegram. What needs no reaction, such as a token (chapter 9
+  -- does not say), may have one only before the next command of any master.
   local function is_over(exchange)
+    local bus = exchange.from.stream.bus
     local over_in = exchange.reaction_in or exchange.next_command_in
 
-    return over_in and exchange.from.stream.bus.damaged_in > over_in
+    if not needs_reaction(exchange.from.telegram) and not bus.is_connection and bus.newest ~= exchange then
+      return true
+    end
+    return over_in and bus.damaged_in > over_in
   end
 
   local function answer(record, exchange, number, telegram)

@@ -234,6 +234,26 @@ EXCHANGES_SWAPPED: Table = {
     3: "command_in=1",
 }
 
+TOKENS: Table = {
+    # Right after it, and once more
+    1: "reaction_in=2",
+    2: "command_in=1; reaction_time=0.025000000; trs.verdict=0",
+    3: "command_in=1; reaction.again",
+    4: "reaction_in=5",
+    5: "command_in=4; reaction_time=0.025000000; trs.verdict=0",
+    # Of tokens that nobody heard
+    6: "reaction.unasked",
+    7: "reaction_in=8",
+    8: "command_in=7; reaction_time=0.025000000; trs.verdict=0",
+    9: "reaction.unasked",
+    # Too late
+    10: "reaction_in=11",
+    11: "command_in=10; reaction_time=0.060000000; trs.verdict=1",
+    # Not answered: no fault. 25 + 8 x 1.145833 + 25 ms
+    13: "reaction_in=15",
+    14: "reaction.unasked",
+    15: "command_in=13; reaction_time=0.059166664; trs.verdict=1",
+}
 
 # Two interfaces, the directions of one bus: silence is that of a line, all else of the bus. Between two telegrams of a
 # line there are two silences of 25 ms and, less one, the characters (1.145833 ms) of the telegram of the other line
@@ -283,6 +303,10 @@ def test_routes_interleaved(tshark: Tshark) -> None:
 
 def test_exchanges_swapped(tshark: Tshark) -> None:
     check(tshark, "exchanges-swapped", "reaction_in command_in", "reaction.unasked", EXCHANGES_SWAPPED)
+
+
+def test_a_reaction_to_a_token_comes_before_the_next_command(tshark: Tshark) -> None:
+    check(tshark, "tokens", f"{FIELDS} trs.verdict", EXPERTS, TOKENS, "-o", "sis.trs_ms:50")
 
 
 def test_two_directions_are_one_bus(tshark: Tshark) -> None:

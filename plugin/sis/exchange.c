@@ -241,6 +241,7 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
     if (before != NULL)
         follow_command(exchange, before, telegram);
     wmem_map_insert(bus->last, master, exchange);
+    bus->newest = exchange;
 
     if (stream->from[direction].last != NULL)
         leave_route(stream->from[direction].last);
@@ -295,13 +296,17 @@ is_reaction_to(const uint8_t *command, unsigned length, tvbuff_t *tvb, const sis
 }
 
 /* It was answered or the master went on, and a damaged telegram came since. That one may have been another
- * command, so a reaction that comes now belongs to the damaged telegram. */
+ * command, so a reaction that comes now belongs to the damaged telegram. What needs no reaction, such as a
+ * token (chapter 9 does not say), may have one only before the next command of any master. */
 static bool
 is_over(const sis_exchange_t *exchange)
 {
+    const sis_bus_t *bus = exchange->stream->bus;
     uint32_t end = exchange->reaction_in != 0 ? exchange->reaction_in : exchange->next_command_in;
 
-    return end != 0 && exchange->stream->bus->damaged_in > end;
+    if (!exchange->needs_reaction && !bus->is_connection && bus->newest != exchange)
+        return true;
+    return end != 0 && bus->damaged_in > end;
 }
 
 static void

@@ -50,8 +50,9 @@ typedef struct sis_bus {
     bool is_connection;
     uint32_t damaged_in; /* the last damaged telegram, or characters that may have been one; 0: none */
     uint32_t damaged_count;
-    uint32_t lost_in; /* the last loss of characters; 0: none */
-    wmem_map_t *last; /* command of each master */
+    uint32_t lost_in;                  /* the last loss of characters; 0: none */
+    wmem_map_t *last;                  /* command of each master */
+    const struct sis_exchange *newest; /* command of all masters; NULL: none yet */
     /* Data of other files; each owner makes its own on first use. */
     struct sis_learned *learned; /* learned.c */
     struct sis_told *told;       /* bus.c */
