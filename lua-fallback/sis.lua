@@ -2349,16 +2349,18 @@ do
     window.last, window.head = last, head
   end
 
-  local function is_saturated(record, character)
-    return band(T.flags_of(record, character), K.SERTAP_INTERVAL_SATURATED) ~= 0
+  -- The interval before the first character.
+  local function is_saturated(record)
+    return T.interval_of(record, 0) == LONGEST_INTERVAL
+      or band(T.flags_of(record, 0), K.SERTAP_INTERVAL_SATURATED) ~= 0
   end
 
   -- A longer time than can be stored, or the clock has changed.
   local function note_silence(line, record)
-    if not is_saturated(record, 0) or not line.last_time or line.last_line ~= record.line then return end
+    if not is_saturated(record) or not line.last_time or line.last_line ~= record.line then return end
     local elapsed = T.elapsed(line.last_time, packet.time)
 
-    if elapsed > LONGEST_INTERVAL then silence_of[packet.number] = elapsed end
+    if elapsed >= LONGEST_INTERVAL then silence_of[packet.number] = elapsed end
   end
 
   local function note_last(line, record)
@@ -2370,7 +2372,7 @@ do
 
   -- ns before the first character of a record, since the one before it on the line, and whether it was longer.
   function T.silence(record)
-    if not is_saturated(record, 0) then return T.interval_of(record, 0), false end
+    if not is_saturated(record) then return T.interval_of(record, 0), false end
     local silence = silence_of[packet.number]
 
     return silence or T.interval_of(record, 0), not silence
@@ -2383,7 +2385,7 @@ do
     if record.flags ~= 0 or record.type ~= K.SERTAP_FRAME then note_disturbance(line, record) end
     if record.type ~= K.SERTAP_EVENT then note_busy(line, record) end
     if record.type ~= K.SERTAP_EVENT and record.count > 0 then
-      if record.flags ~= 0 then note_silence(line, record) end
+      if record.timed > 0 then note_silence(line, record) end
       note_last(line, record)
     end
     if record.type == K.SERTAP_EVENT and record.event == K.SERTAP_LIMITS_TOLD and record.values == record.declared then
@@ -7826,6 +7828,7 @@ do
   local ALL = "All"
   local LINE_ERRORS = K.SERTAP_ERROR_CHARACTER + K.SERTAP_ERROR_BREAK + K.SERTAP_ERROR_LOST + K.SERTAP_ERROR_UNLOCATED
   local NOT_MEASURED = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_ERROR_LOST
+  local LONGEST_INTERVAL = 0xFFFFFFFF -- ns that a record can hold
 
   sis.prefs.statistics = Pref.string("Statistics that tshark prints", "",
     "Of tree, tza, bus, srt and parameters, with commas between them: tshark -q -o sis.statistics:tree,bus")
@@ -7958,19 +7961,24 @@ do
     return (rest + 33) * 2 ^ (octave - 1) - 1
   end
 
+  -- An interval as long as can be stored may have been longer.
+  local function bound_text(ns)
+    return (ns == LONGEST_INTERVAL and ">" or "") .. ms_text(ns)
+  end
+
   local function quantile_text(row, percent)
     local wanted, passed, bucket = floor((percent * row.exact + 99) / 100), 0, -1
 
     if row.exact == 0 then return "" end
     if row.exact <= FEW then
       table.sort(row.few)
-      return ms_text(row.few[wanted])
+      return bound_text(row.few[wanted])
     end
     while passed < wanted do
       bucket = bucket + 1
       passed = passed + (row.buckets[bucket] or 0)
     end
-    return ms_text(min(end_of_bucket(bucket), row.largest))
+    return bound_text(min(end_of_bucket(bucket), row.largest))
   end
 
   local function new_intervals()

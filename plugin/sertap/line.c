@@ -160,7 +160,7 @@ note_silence(const line_t *line, packet_info *pinfo, const sertap_record_t *reco
     int64_t elapsed = sertap_elapsed(line->last, sertap_ns(&pinfo->abs_ts)), *silence;
 
     if (record->is_silence_known || !line->is_last_known || line->last_line != record->line ||
-        elapsed <= UINT32_MAX)
+        elapsed < UINT32_MAX)
         return;
     silence = wmem_new(wmem_file_scope(), int64_t);
     *silence = elapsed;

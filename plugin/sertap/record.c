@@ -60,7 +60,7 @@ sertap_record_survey(sertap_record_t *record)
     intervals = tvb_get_ptr(record->tvb, record->times_offset, 4 * record->timed);
     all_flags = tvb_get_ptr(record->tvb, record->flags_offset, record->timed);
     record->silence = big_endian(intervals);
-    record->is_silence_known = !(all_flags[0] & SERTAP_INTERVAL_SATURATED);
+    record->is_silence_known = record->silence < UINT32_MAX && !(all_flags[0] & SERTAP_INTERVAL_SATURATED);
     record->is_duration_known = record->timed == record->count;
     for (unsigned i = 0; i < record->timed; i++) {
         uint8_t flag = all_flags[i];

@@ -258,15 +258,6 @@ set_ms(const stat_tap_table *table, unsigned row, unsigned column, int64_t ns)
     set_decimal(table, row, column, 3, rounded_us(ns));
 }
 
-/* Empty where no interval has an exact time. */
-static void
-set_quantile(const stat_tap_table *table, unsigned row, unsigned column, const quantiles_t *quantiles,
-             const quantile_t *quantile)
-{
-    if (quantiles->count > 0)
-        set_ms(table, row, column, quantile_ns(quantiles, quantile));
-}
-
 static bool
 raise_to(const stat_tap_table *table, unsigned row, unsigned column, int64_t ns)
 {
@@ -285,8 +276,23 @@ mark_as_bound(const stat_tap_table *table, unsigned row, unsigned column, const 
     stat_tap_table_item_type *item = stat_tap_get_field_data(table, row, column);
     char *text = (char *)item->value.string_value;
 
+    if (g_str_has_prefix(text, sign))
+        return;
     item->value.string_value = g_strconcat(sign, g_strchug(text), NULL);
     g_free(text);
+}
+
+/* Empty where no interval has an exact time. An interval as long as can be stored may have been longer. */
+static void
+set_quantile(const stat_tap_table *table, unsigned row, unsigned column, const quantiles_t *quantiles,
+             const quantile_t *quantile)
+{
+    uint32_t ns = quantiles->count > 0 ? quantile_ns(quantiles, quantile) : 0;
+
+    if (quantiles->count > 0)
+        set_ms(table, row, column, ns);
+    if (ns == UINT32_MAX)
+        mark_as_bound(table, row, column, ">");
 }
 
 static void
