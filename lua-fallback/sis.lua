@@ -737,13 +737,14 @@ N.sertap_framings = {
 }
 
 -- Events of the tap.
+K.SERTAP_CAPTURE_STARTED = 1
 K.SERTAP_CHARACTERS_LOST = 3
 K.SERTAP_ADAPTER_LOST = 4
 K.SERTAP_LIMITS_TOLD = 6
 K.SERTAP_TOLD_BEFORE = 7
 N.sertap_events = {
   [0] = "None",
-  [1] = "Capture started",
+  [K.SERTAP_CAPTURE_STARTED] = "Capture started",
   [2] = "Line settings changed",
   [K.SERTAP_CHARACTERS_LOST] = "Characters lost",
   [K.SERTAP_ADAPTER_LOST] = "Adapter lost",
@@ -2302,14 +2303,14 @@ do
     local line = lines[key]
 
     if not line then
-      line = {lost_in = 0, unframed_in = 0, window = new_window(false)}
+      line = {lost_in = 0, unframed_in = 0, begun_in = 0, window = new_window(false)}
       lines[key] = line
     end
     return line
   end
 
-  -- Packets that may hide a frame: the last loss of characters, and the last that may have been a frame; 0 if there
-  -- is none.
+  -- Packets that may hide a frame: the last loss of characters, the last that may have been a frame, and the last event
+  -- that says that a capture begins; 0 if there is none.
   function T.disturbance(record)
     return record.known
   end
@@ -2324,6 +2325,7 @@ do
       and (record.event == K.SERTAP_CHARACTERS_LOST or record.event == K.SERTAP_ADAPTER_LOST)
 
     if is_gap or band(record.flags, K.SERTAP_ERROR_LOST) ~= 0 then line.lost_in = packet.number end
+    if record.type == K.SERTAP_EVENT and record.event == K.SERTAP_CAPTURE_STARTED then line.begun_in = packet.number end
     if record.type == K.SERTAP_OTHER and record.count >= SHORTEST_FRAME then line.unframed_in = packet.number end
   end
 
@@ -4904,7 +4906,7 @@ do
     end
   end
 
-  local HIGHEST_PHASE = 4
+  local HIGHEST_PHASE, OPERATING_PHASE = 4, 4
 
   local function take_phase(body)
     local phase = S.take(body, F.phase, 1)
@@ -4933,6 +4935,7 @@ do
         begin = exchange.command_end,
         to = body.asked.phase or 0,
       }
+      if from.phase_switch.to < OPERATING_PHASE then from.stream.idle_in = packet.number end
     elseif not is_switch and from.phase_switch then
       record.phase_switch = from.phase_switch
       record.is_switch_end = body.status ~= 0 or phase == from.phase_switch.to
@@ -5031,7 +5034,7 @@ do
       types = {["type key"] = {}, firmware = {}}, -- devices of each type
       taught = {}, -- a new one after each thing learned
       told = S.told_new(),
-      cycles = {},
+      cycles = nil, -- sis/timing
     }
   end
 
@@ -5049,7 +5052,7 @@ do
     local number = stream_count
 
     stream_count = number + 1
-    local stream = {number = number, bus = bus}
+    local stream = {number = number, bus = bus, idle_in = 0} -- the last switch to a phase in which nothing moves
 
     -- For each direction: what its commands have in common (path), and the last of them (last, telegram, bytes).
     stream.from = {[0] = {stream = stream, transfers = {}}, {stream = stream, transfers = {}}}
@@ -7473,6 +7476,7 @@ end
 do
   local MS = 1000000 -- in ns
   local OPERATOR_TERMINAL_SILENCE = 200 * MS -- after it an operator terminal considers its link lost (chapter 10.1)
+  local DEAD_BUS_SILENCE = 0xFFFFFFFF -- ns; the bus is dead after it: longer than an interval that a record can hold
 
   -- 0: use what the bus has set.
   -- The three limits, and their display.
@@ -7771,16 +7775,39 @@ do
     return {frame = last.frame, ns = T.elapsed(last.begin, times.begin), span = span}
   end
 
+  -- Of a bus, made when the first master control word comes: {words: the last to each drive, heard: when the last
+  -- telegram ended, dead_in: the last telegram after too long a silence}.
+  local function note_heard(cycles, times)
+    if not cycles then return end
+    if T.elapsed(cycles.heard, times.begin) > DEAD_BUS_SILENCE then cycles.dead_in = packet.number end
+    cycles.heard = times.end_
+  end
+
+  -- Tmas holds while the machine moves. After what ended here, the next word begins anew (plugin/docs/verdicts.md).
+  local function cycle_ended_in(record, times)
+    local stream, limit = record.exchange.from.stream, record.settings and record.settings[K.TMAS]
+    local ended_in = max(stream.idle_in, stream.bus.lost_in)
+
+    if times.record then ended_in = max(ended_in, T.disturbance(times.record).begun_in) end
+    if limit then ended_in = max(ended_in, limit.accepted_in or 0) end
+    if not limit or limit.value * MS < DEAD_BUS_SILENCE then ended_in = max(ended_in, stream.bus.cycles.dead_in) end
+    return ended_in
+  end
+
   local function note_cycle(record, telegram, body)
     local exchange = record.exchange
     local request = exchange and body.request and find_control_word(body.request)
 
     if not request then return end
-    local cycles, times = exchange.from.stream.bus.cycles, telegram.times
-    local key = exchange.from.stream.number * 256 + (request.device or 0)
+    local stream, times = exchange.from.stream, telegram.times
+    local cycles = stream.bus.cycles or {words = {}, dead_in = 0}
+    local key = stream.number * 256 + (request.device or 0)
+    local last = cycles.words[key]
 
-    if cycles[key] then record.cycle = make_cycle(cycles[key], times) end
-    cycles[key] = {
+    stream.bus.cycles = cycles
+    if last and cycle_ended_in(record, times) <= last.frame then record.cycle = make_cycle(last, times) end
+    cycles.heard = times.end_
+    cycles.words[key] = {
       frame = packet.number,
       begin = times.begin,
       begin_earliest = times.begin_earliest,
@@ -7796,6 +7823,7 @@ do
     local bus = exchange and exchange.from.stream.bus or S.exchange_bus(pinfo)
 
     if packet.record then S.bus_learn_limits(bus.told, T.limits(packet.record)) end
+    note_heard(bus.cycles, telegram.times)
     if not bus.told.is_anything_told then return end
     local address = exchange and byte(exchange.from.path) or telegram.receiver
 

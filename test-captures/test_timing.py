@@ -32,6 +32,7 @@ FIELDS = {
     "timing-reactions": f"reaction_time {TRS} twm.wait {TZA}",
     "timing-told": f"{TZA} {TRS}",
     "told-before": f"{TZA} {TRS} bus.baud bus.baud.set_in parameter.name parameter.maximum value.number",
+    "timing-dead-bus": "tmas.cycle tmas.limit tmas.set_in tmas.verdict",
     "timing-cycle": "tmas.cycle tmas.limit tmas.set_in tmas.verdict",
 }
 

@@ -371,7 +371,7 @@ const value_string sis_sertap_framings[] = {
 
 const value_string sis_sertap_events[] = {
     {0, "None"},
-    {1, "Capture started"},
+    {SERTAP_CAPTURE_STARTED, "Capture started"},
     {2, "Line settings changed"},
     {SERTAP_CHARACTERS_LOST, "Characters lost"},
     {SERTAP_ADAPTER_LOST, "Adapter lost"},

@@ -141,6 +141,7 @@ extern const value_string sis_sertap_framings[];
 
 /* Events of the tap. */
 enum {
+    SERTAP_CAPTURE_STARTED = 1,
     SERTAP_CHARACTERS_LOST = 3,
     SERTAP_ADAPTER_LOST = 4,
     SERTAP_LIMITS_TOLD = 6,

@@ -86,6 +86,8 @@ note_disturbance(line_t *line, packet_info *pinfo, const sertap_record_t *record
 
     if (is_gap || record->flags & SERTAP_ERROR_LOST)
         line->disturbance.lost_in = pinfo->num;
+    if (record->type == SERTAP_EVENT && record->event == SERTAP_CAPTURE_STARTED)
+        line->disturbance.begun_in = pinfo->num;
     if (record->type == SERTAP_OTHER && record->count >= SHORTEST_FRAME)
         line->disturbance.unframed_in = pinfo->num;
 }

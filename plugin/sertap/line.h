@@ -10,6 +10,7 @@
 typedef struct {
     uint32_t lost_in;     /* the last before or in which characters were lost */
     uint32_t unframed_in; /* the last with enough other characters to have been a frame */
+    uint32_t begun_in;    /* the last event that says that a capture begins: nothing is known of before */
 } sertap_disturbance_t;
 
 sertap_disturbance_t sertap_disturbance(const sertap_record_t *record);

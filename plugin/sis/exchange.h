@@ -56,7 +56,7 @@ typedef struct sis_bus {
     /* Data of other files; each owner makes its own on first use. */
     struct sis_learned *learned; /* learned.c */
     struct sis_told *told;       /* bus.c */
-    wmem_map_t *cycles;          /* timing.c */
+    struct sis_cycles *cycles;   /* timing.c */
 } sis_bus_t;
 
 /* Data of commands through routers only. */
@@ -146,6 +146,7 @@ typedef struct {
 typedef struct sis_stream {
     sis_stream_key_t key;
     uint32_t number;
+    uint32_t idle_in; /* the last switch to a phase in which nothing moves; 0: none */
     sis_bus_t *bus;
     struct {
         sis_exchange_t *last; /* command; NULL: none yet */

@@ -20,6 +20,9 @@
 /* An operator terminal considers its link lost after this silence (chapter 10.1). */
 #define OPERATOR_TERMINAL_SILENCE (200 * MS)
 
+/* The bus is dead after this silence: longer than an interval that a record can hold. */
+#define DEAD_BUS_SILENCE INT64_C(4294967295)
+
 /* A telegram whose timing is examined. */
 typedef struct {
     sis_telegram_t *telegram;
@@ -438,6 +441,50 @@ typedef struct {
     sis_times_t times;
 } control_word_t;
 
+/* Of a bus; made when the first master control word comes. */
+struct sis_cycles {
+    wmem_map_t *words; /* the last to each drive */
+    int64_t heard;     /* when the last telegram ended, ns since 1970 */
+    uint32_t dead_in;  /* the last telegram after too long a silence; 0: none */
+};
+
+static struct sis_cycles *
+cycles_of(sis_bus_t *bus)
+{
+    if (bus->cycles == NULL) {
+        bus->cycles = wmem_new0(wmem_file_scope(), struct sis_cycles);
+        bus->cycles->words = wmem_map_new(wmem_file_scope(), g_direct_hash, g_direct_equal);
+    }
+    return bus->cycles;
+}
+
+static void
+note_heard(struct sis_cycles *cycles, const sis_times_t *times, uint32_t frame)
+{
+    if (cycles == NULL)
+        return;
+    if (sertap_elapsed(cycles->heard, times->begin) > DEAD_BUS_SILENCE)
+        cycles->dead_in = frame;
+    cycles->heard = times->end;
+}
+
+/* Tmas holds while the machine moves. After what ended here, the next word begins anew (docs/verdicts.md). */
+static uint32_t
+cycle_ended_in(const sis_record_t *record, const sis_times_t *times)
+{
+    const sis_stream_t *stream = record->exchange->stream;
+    const sis_setting_t *limit = record->settings != NULL ? &record->settings->of[SIS_TMAS] : NULL;
+    uint32_t ended_in = MAX(stream->idle_in, stream->bus->lost_in);
+
+    if (times->record != NULL)
+        ended_in = MAX(ended_in, sertap_disturbance(times->record).begun_in);
+    if (limit != NULL)
+        ended_in = MAX(ended_in, limit->accepted_in);
+    if (limit == NULL || limit->value * MS < DEAD_BUS_SILENCE)
+        ended_in = MAX(ended_in, stream->bus->cycles->dead_in);
+    return ended_in;
+}
+
 static sis_cycle_t *
 make_cycle(const control_word_t *last, const sis_times_t *times)
 {
@@ -455,23 +502,22 @@ note_cycle(sis_record_t *record, const sis_telegram_t *telegram, const sis_body_
 {
     const sis_exchange_t *exchange = record->exchange;
     const sis_request_t *request = body->request != NULL ? find_control_word(body->request) : NULL;
-    sis_bus_t *bus;
+    struct sis_cycles *cycles;
     control_word_t *last;
     void *key;
 
     if (exchange == NULL || request == NULL)
         return;
-    bus = exchange->stream->bus;
-    if (bus->cycles == NULL)
-        bus->cycles = wmem_map_new(wmem_file_scope(), g_direct_hash, g_direct_equal);
+    cycles = cycles_of(exchange->stream->bus);
     key = GUINT_TO_POINTER(exchange->stream->number << 8 | request->device);
-    last = wmem_map_lookup(bus->cycles, key);
+    last = wmem_map_lookup(cycles->words, key);
     if (last == NULL) {
         last = wmem_new(wmem_file_scope(), control_word_t);
-        wmem_map_insert(bus->cycles, key, last);
-    } else {
+        wmem_map_insert(cycles->words, key, last);
+    } else if (cycle_ended_in(record, &telegram->times) <= last->frame) {
         sis_make_rare(record)->cycle = make_cycle(last, &telegram->times);
     }
+    cycles->heard = telegram->times.end;
     last->frame = body->pinfo->num;
     last->times = telegram->times;
 }
@@ -489,6 +535,7 @@ sis_timing_note(sis_record_t *record, const sis_telegram_t *telegram, packet_inf
         address = SIS_ALL_STATIONS;
     if (telegram->times.record != NULL)
         sis_bus_learn_limits(bus, sertap_limits(telegram->times.record));
+    note_heard(bus->cycles, &telegram->times, pinfo->num);
     record->settings = sis_bus_settings(bus, address, telegram->times.begin);
     record->load = telegram->times.record != NULL ? sertap_load(telegram->times.record) : -1;
 }

@@ -6,7 +6,8 @@
 #include "items.h"
 #include "sis/names.h"
 
-#define HIGHEST_PHASE 4
+#define HIGHEST_PHASE   4
+#define OPERATING_PHASE 4
 
 static bool
 take_phase(sis_body_t *body, uint32_t *phase)
@@ -38,6 +39,8 @@ follow_switch(const sis_body_t *body, uint32_t phase)
         sis_switch_t *begun = &stream->from[exchange->direction].phase_switch;
 
         *begun = (sis_switch_t){exchange->command_in, exchange->command_end, body->asked->phase};
+        if (begun->to < OPERATING_PHASE)
+            stream->idle_in = body->pinfo->num;
     } else if (!is_switch) {
         sis_switch_t *begun = &stream->from[exchange->direction].phase_switch;
         sis_rare_t *rare;
