@@ -39,6 +39,11 @@ sis.prefs.ecodrive_phases = Pref.bool("Decode services 0x82 and 0x8D like 0x12 a
   "Reading and switching the phase of an ECODRIVE this way is not confirmed")
 sis.prefs.tza_ms = Pref.uint("TzA in ms", 0,
   "Longest interval allowed between two characters of a telegram; 0: as the bus was told")
+sis.prefs.tza_from = Pref.enum("TzA counts from", 0,
+  "No document says whether the character that ends an interval counts. Unknown: where that decides, "
+    .. "a verdict is unresolved", {{"unknown", "Unknown", 0},
+  {"end", "The end of the character before: the pause alone", 1},
+  {"start", "The start of the character before: the whole interval", 2}}, false)
 sis.prefs.trs_ms = Pref.uint("TrS in ms", 0, "Longest reaction time allowed; 0: as the bus was told")
 sis.prefs.dlt_user = Pref.enum("Decode a user link type as SIS", -1,
   "Captures of this link type hold bare telegrams. Goes before the table of protocol DLT_USER while it is set",
@@ -75,8 +80,8 @@ local protos = {["sertap"] = sertap, ["sis"] = sis, ["3964r"] = p3964r, ["rk512i
   ["synax"] = synax, ["synaxpk"] = synaxpk, ["synaxobj"] = synaxobj, ["synaxpcp"] = synaxpcp, ["synaxpd"] = synaxpd,
   ["sisascii"] = sisascii} -- by filter name
 
-local P = {edition = 0, clc_as_sercos = false, ecodrive_phases = false, tza_ms = 0, trs_ms = 0, dlt_user = -1,
-  tcp_heuristic = true} -- values of the preferences of sis
+local P = {edition = 0, clc_as_sercos = false, ecodrive_phases = false, tza_ms = 0, tza_from = 0, trs_ms = 0, dlt_user
+  = -1, tcp_heuristic = true} -- values of the preferences of sis
 -- end of protocols
 
 -- Functions shared by blocks, with their names in the C headers: S.take for sis_take(), T.load for sertap_load().
@@ -767,7 +772,7 @@ K.TIME_UNRESOLVED = 2
 N.verdicts = {
   [K.TIME_OK] = "ok",
   [K.TIME_EXCEEDED] = "exceeded",
-  [K.TIME_UNRESOLVED] = "unresolved: the times are not exact enough",
+  [K.TIME_UNRESOLVED] = "unresolved: the times do not decide",
 }
 
 -- What a character or block of 3964R means, judged by what came before.
@@ -6852,6 +6857,8 @@ end
 
 K.ANY_TIME = math.huge -- the most, where there is no bound
 K.SET_BACK = -math.huge -- the least of a duration during which the clock was set back
+-- Where a duration begins to count: the preference sis.tza_from.
+K.FROM_UNKNOWN, K.FROM_END, K.FROM_START = 0, 1, 2
 
 do
   local interval_of, flags_of = T.interval_of, T.flags_of
@@ -7017,14 +7024,22 @@ do
     return interval.span.most ~= K.ANY_TIME and interval.span.most or interval.recorded
   end
 
-  local function consider(longest, times, interval, limit)
-    local flags, verdict = flags_of(times.record, times.first + interval.at - 1), S.judge(interval.span, limit)
+  -- Of several, one that is exceeded decides, then one that is unresolved.
+  local function worsen(verdict, next_)
+    return (verdict == K.TIME_OK or next_ == K.TIME_EXCEEDED) and next_ or verdict
+  end
+
+  local function consider(longest, times, interval, limit, from)
+    local flags = flags_of(times.record, times.first + interval.at - 1)
+    local whole, idle = S.judge_both(interval.span, times.record.character_ns, limit)
+    local verdict = S.verdict(whole, idle, from)
     local is_exceeded, was_exceeded = verdict == K.TIME_EXCEEDED, longest.verdict == K.TIME_EXCEEDED
 
     if is_exceeded and not longest.restart_at and looks_like_start(times, interval.at) then
       longest.restart_at = interval.at
     end
-    if longest.verdict == K.TIME_OK or is_exceeded then longest.verdict = verdict end
+    longest.verdict = worsen(longest.verdict, verdict)
+    longest.whole, longest.idle = worsen(longest.whole, whole), worsen(longest.idle, idle)
     if band(flags, UNKNOWN_OR_LOST) ~= 0 then
       if verdict == K.TIME_UNRESOLVED then longest.unknown_at = longest.unknown_at or interval.at end
       return
@@ -7043,8 +7058,8 @@ do
   -- number of the character in the telegram, from 1, recorded, span, weight: the largest is the longest, is_exact: both
   -- its characters came alone, each in a read of its own, is_saturated: it was longer than recorded}; nil where there
   -- is none.
-  function S.longest(times, limit)
-    local longest = {verdict = K.TIME_OK}
+  function S.longest(times, limit, from)
+    local longest = {verdict = K.TIME_OK, whole = K.TIME_OK, idle = K.TIME_OK}
     local before
 
     if limit == 0 then limit = K.ANY_TIME end -- nothing exceeds it: the most that an interval can have been counts
@@ -7057,10 +7072,10 @@ do
           recorded = interval_of(times.record, read.first),
           is_exact = read.size == 1 and before.size == 1,
           span = span_before(times, before, read),
-        }, limit)
+        }, limit, from)
       end
       if read.size > 1 then
-        consider(longest, times, {at = at + 1, recorded = 0, span = span_inside(times, read)}, limit)
+        consider(longest, times, {at = at + 1, recorded = 0, span = span_inside(times, read)}, limit, from)
       end
       before = read
     end
@@ -7097,6 +7112,22 @@ do
   function S.judge(span, limit)
     if span.least > limit then return K.TIME_EXCEEDED end
     return span.most <= limit and K.TIME_OK or K.TIME_UNRESOLVED
+  end
+
+  -- Of a duration that ends with a character (ns; 0: unknown). No document says whether that one counts: the verdict
+  -- with it, and the one without.
+  function S.judge_both(span, character, limit)
+    local least = character > 0 and max(span.least, character) - character or 0
+
+    return S.judge(span, limit), S.judge({least = least, most = max(span.most - character, 0)}, limit)
+  end
+
+  -- Where nobody knows what counts, what both say.
+  function S.verdict(whole, idle, from)
+    if from == K.FROM_END then return idle end
+    if from == K.FROM_START then return whole end
+    if idle == K.TIME_EXCEEDED then return idle end
+    return whole == K.TIME_OK and K.TIME_OK or K.TIME_UNRESOLVED
   end
 end
 
@@ -7567,7 +7598,11 @@ do
   -- Why a verdict is unresolved apart from the longest interval, or what a receiver does after so long a pause
   -- (chapter 10.5); and the character that decides it.
   local function verdict_words(longest)
-    if longest.verdict ~= K.TIME_EXCEEDED then return longest.unknown_at and ": an interval is not known" or "" end
+    if longest.verdict ~= K.TIME_EXCEEDED then
+      if longest.unknown_at then return ": an interval is not known" end
+      return P.tza_from == K.FROM_UNKNOWN and longest.whole ~= longest.idle
+        and ": depends on where TzA begins to count" or ""
+    end
     return longest.restart_at and ": a receiver begins anew at a character that looks like the start of a telegram"
       or ": a receiver goes on"
   end
@@ -7621,11 +7656,17 @@ do
     local is_resolvable = times.begin_earliest and exchange.command_end_earliest
     local span = is_resolvable and S.span_between(exchange.command_end_earliest, exchange.command_end, times)
       or {least = 0, most = K.ANY_TIME}
-    local verdict = S.judge(span, t.trs)
+    local whole, idle = S.judge_both(span, times.record.character_ns, t.trs)
+    local verdict = S.verdict(whole, idle, K.FROM_UNKNOWN)
+    local words = ": how exact the times are is not known"
 
+    if is_resolvable then
+      words = verdict == K.TIME_UNRESOLVED and whole ~= idle and ": depends on whether the first character counts"
+        or ""
+    end
     if t.tree or verdict ~= K.TIME_OK then
-      show_verdict(t, trs, P.trs_ms == 0 and setting(t, K.TRS), t.trs, verdict,
-        is_resolvable and "" or ": how exact the times are is not known", is_resolvable and span_text(span))
+      show_verdict(t, trs, P.trs_ms == 0 and setting(t, K.TRS), t.trs, verdict, words,
+        is_resolvable and span_text(span))
     end
   end
 
@@ -7717,7 +7758,7 @@ do
 
     t.silence, t.is_longer = silence_before(telegram.times)
     t.tza = limit_of(t, K.TZA, P.tza_ms)
-    if is_longest_wanted(t) then t.longest = S.longest(telegram.times, t.tza) end
+    if is_longest_wanted(t) then t.longest = S.longest(telegram.times, t.tza, P.tza_from) end
     t.trs = is_answer and telegram.subaddress_count == 0 and telegram.times.record
       and limit_of(t, K.TRS, P.trs_ms) or 0
     t.wait = exchange and not telegram.is_reaction and exchange.wait or -1
@@ -8143,7 +8184,9 @@ do
     if timing.trs > 0 and times.begin_earliest and exchange.command_end_earliest then
       local span = S.span_between(exchange.command_end_earliest, exchange.command_end, times)
 
-      if S.judge(span, timing.trs) == K.TIME_EXCEEDED then add_to(row, "trs", 1) end
+      local whole, idle = S.judge_both(span, times.record.character_ns, timing.trs)
+
+      if S.verdict(whole, idle, K.FROM_UNKNOWN) == K.TIME_EXCEEDED then add_to(row, "trs", 1) end
     end
   end
 
@@ -9088,7 +9131,7 @@ do
   -- The longest interval inside a block, against the character delay ZVZ.
   local function show_intervals(d)
     local limit = p3964r.prefs.zvz_ms
-    local longest = d.times.record and S.longest(d.times, limit * MS)
+    local longest = d.times.record and S.longest(d.times, limit * MS, K.FROM_START)
 
     if not longest then return end
     local interval = longest.interval

@@ -105,26 +105,29 @@ def in_order(line: Sequence[Window], character_ns: int) -> list[Window]:
     return [Window(*both) for both in zip(earliests, latests[::-1], strict=True)]
 
 
-def surely(line: Sequence[Window], limit_ns: int) -> int:
-    """Judge the intervals between neighbours, each by its own two windows."""
+def surely(line: Sequence[Window], limit_ns: int, ending_ns: int) -> int:
+    """Judge the intervals between neighbours, each by its own two windows.
+
+    Nobody knows whether the character that ends an interval counts, `ending_ns`: exceeded without it, or kept with it.
+    """
     spans = [
         (later.earliest - earlier.latest, later.latest - earlier.earliest)
         for earlier, later in itertools.pairwise(line)
     ]
-    if any(least > limit_ns for least, _ in spans):
+    if any(least - ending_ns > limit_ns for least, _ in spans):
         return EXCEEDED
     return OK if all(most <= limit_ns for _, most in spans) else UNRESOLVED
 
 
-def provably(line: Sequence[Window], limit_ns: int, character_ns: int) -> int:
+def provably(line: Sequence[Window], limit_ns: int, character_ns: int, ending_ns: int) -> int:
     """Judge them together: a verdict is not proved if any arrivals inside the windows contradict it."""
     reach = line[0]  # the possible positions of a character if no interval before it exceeds the limit
     for window in line[1:]:
         earliest = max(window.earliest, reach.earliest + character_ns)
-        reach = Window(earliest, min(window.latest, reach.latest + limit_ns))
+        reach = Window(earliest, min(window.latest, reach.latest + limit_ns + ending_ns))
         if reach.latest < reach.earliest:
             return EXCEEDED
-    return surely(line, limit_ns)
+    return surely(line, limit_ns, ending_ns)
 
 
 def admissible(record: Record, limit_ns: int, before: Record | None = None) -> set[int]:
@@ -140,5 +143,6 @@ def admissible(record: Record, limit_ns: int, before: Record | None = None) -> s
     character_ns = int(record.settings.character_ns * (1 - TOLERANCE))
     line = [window for part in parts for window in windows(part, character_ns)]
     line = line[len(before.data) - 1 :][:2] if before else in_order(line, character_ns)
-    must = surely(line, limit_ns)
-    return {must} if must != UNRESOLVED else {UNRESOLVED, provably(line, limit_ns, character_ns)}
+    ending_ns = record.settings.character_ns
+    must = surely(line, limit_ns, ending_ns)
+    return {must} if must != UNRESOLVED else {UNRESOLVED, provably(line, limit_ns, character_ns, ending_ns)}

@@ -28,7 +28,7 @@ SLOW, FAST = LineSettings(9600), LineSettings(115200)
 
 # The clock, the line, and which verdicts it must at least come to.
 CLOCKS = {
-    "exact": (Adapter(), SLOW, {OK, EXCEEDED}),
+    "exact": (Adapter(), SLOW, {OK, EXCEEDED, UNRESOLVED}),
     "10 us": (Adapter(delay_ns=10_000), SLOW, {OK, EXCEEDED, UNRESOLVED}),
     "1 ms": (Adapter(MS, 100_000), SLOW, {OK, EXCEEDED, UNRESOLVED}),
     "1 ms, 115200 Bd": (Adapter(MS, 100_000), FAST, {OK, EXCEEDED, UNRESOLVED}),
@@ -97,9 +97,10 @@ def longest(arrivals: Sequence[int]) -> int:
     return max(later - earlier for earlier, later in itertools.pairwise(arrivals))
 
 
-def verdict_of(arrivals: Sequence[int], limit_ms: int) -> int:
-    """Judge by the true times."""
-    return EXCEEDED if longest(arrivals) > limit_ms * MS else OK
+def verdict_of(arrivals: Sequence[int], limit_ms: int, character_ns: int) -> int:
+    """Judge by the true times: without the character that ends an interval, and with it."""
+    longest_ns, limit_ns = longest(arrivals), limit_ms * MS
+    return EXCEEDED if longest_ns - character_ns > limit_ns else OK if longest_ns <= limit_ns else UNRESOLVED
 
 
 def believable(record: Record, one: Sent) -> None:
@@ -115,10 +116,12 @@ def judged(made: Sequence[Record], sent: Sequence[Sent]) -> list[dict[str, tuple
     right = []
     for number, (record, one) in enumerate(zip(made, sent, strict=True)):
         believable(record, one)
-        verdicts = {"tza": (admissible(record, TZA_MS * MS), verdict_of(one.arrivals, TZA_MS))}
+        character_ns = record.settings.character_ns
+        verdicts = {"tza": (admissible(record, TZA_MS * MS), verdict_of(one.arrivals, TZA_MS, character_ns))}
         if number % 2:
             between = [sent[number - 1].arrivals[-1], one.arrivals[0]]
-            verdicts["trs"] = admissible(record, TRS_MS * MS, made[number - 1]), verdict_of(between, TRS_MS)
+            true = verdict_of(between, TRS_MS, character_ns)
+            verdicts["trs"] = admissible(record, TRS_MS * MS, made[number - 1]), true
         right.append(verdicts)
     return right
 

@@ -210,7 +210,7 @@ def test_no_toolbar_is_shown_for_captures_that_it_is_not_for() -> None:
         ("statistics", (), 13, "SIS: line error"),
         ("timing-reactions", ("-o", "sis.trs_ms:50"), 6, "SIS: reaction"),
         ("timing-reactions", ("-o", "sis.trs_ms:50"), 8, "SIS: TrS or Tmas exceeded"),
-        ("timing-cycle", (), 11, "SIS: TrS or Tmas exceeded"),
+        ("timing-cycle", (), 17, "SIS: TrS or Tmas exceeded"),
         ("records", (), 1, "Serial tap: event"),
         ("records", (), 2, "Serial tap: other characters"),
     ],

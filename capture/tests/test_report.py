@@ -104,10 +104,22 @@ def test_verdicts(figures: dict[str, Any]) -> None:
 
 
 def test_what_decides_what_is_unresolved_is_said(report: Report) -> None:
-    """Drive 4 has 5.2 ms, TzA is 5 ms."""
-    assert {row[0]: row[-1] for row in tables.pauses(report).rows}["4"] == (
-        "1; an uncertainty below 0.200 ms decides them"
-    )
+    """Drive 4 has 5.2 ms, TzA is 5 ms, and a character takes 1.146 ms: no tap decides that."""
+    assert {row[0]: row[-1] for row in tables.pauses(report).rows}["4"] == "1; 1 depends on where TzA begins to count"
+
+
+def test_which_uncertainty_would_decide_is_said(tshark: Tshark, tmp_path: Path) -> None:
+    """The pause alone is 6.3 - 1.146 ms, 0.31 ms uncertain; 4.9 ms keep TzA; 5.5 ms do or do not, whatever the tap."""
+    texts = []
+    for number, pauses_ms in enumerate([(6.3,), (4.9,), (6.3, 4.9, 5.5)]):
+        asked = [item for pause_ms in pauses_ms for item in (Sent(READ, pauses_ms={6: pause_ms}), Sent(ANSWER))]
+        report = made(tshark, write(tmp_path / f"{number}", [Sent(SET_TZA), Sent(ACCEPT), *asked]))
+        texts += [row[-1] for row in tables.pauses(report).rows if row[0] == "16"]
+    assert texts == [
+        "1; an uncertainty below 0.154 ms decides them",
+        "1; an uncertainty below 0.100 ms decides them",
+        "3; an uncertainty below 0.100 ms decides 2, 1 depends on where TzA begins to count",
+    ]
 
 
 def test_what_is_exactly_the_limit_cannot_be_decided(tshark: Tshark, tmp_path: Path) -> None:
@@ -123,7 +135,9 @@ def test_which_tza_would_be_kept(figures: dict[str, Any]) -> None:
     assert (master["longest_s"], master["before_character"], master["smallest_safe_ms"]) == (0.0075, 6, 8)
     assert master["part_of_limit"] == pytest.approx(7.81 / 5)
     assert (drive["smallest_safe_ms"], drive["unresolved"]) == (6, 1)
-    assert drive["resolved_if_more_exact_than_s"] == pytest.approx(0.0002)
+    # If only the pause counts: less 1.146 ms, 6.664 and 4.554 ms. No tap decides what TzA means.
+    assert [one["smallest_safe_ms_of_pause_alone"] for one in (master, drive)] == [7, 5]
+    assert (drive["depends_on_what_counts"], drive["resolved_if_more_exact_than_s"]) == (1, None)
     places = {one["before_character"]: one for one in figures["tza_by_character"]}
     assert places[6]["longest_s"] == 0.0075 and places[4]["longest_s"] == 0.0052
     for one in (*places.values(), *talkers.values()):

@@ -391,7 +391,7 @@ const value_string sis_checksum_states[] = {
 const value_string sis_verdicts[] = {
     {SIS_TIME_OK, "ok"},
     {SIS_TIME_EXCEEDED, "exceeded"},
-    {SIS_TIME_UNRESOLVED, "unresolved: the times are not exact enough"},
+    {SIS_TIME_UNRESOLVED, "unresolved: the times do not decide"},
     {0, NULL},
 };
 

@@ -29,6 +29,12 @@ static const enum_val_t choices_sis_edition[] = {
     {"ECODRIVE03", "ECODRIVE03 (FGP-01VRS)", 1},
     {NULL, NULL, 0},
 };
+static const enum_val_t choices_sis_tza_from[] = {
+    {"unknown", "Unknown", 0},
+    {"end", "The end of the character before: the pause alone", 1},
+    {"start", "The start of the character before: the whole interval", 2},
+    {NULL, NULL, 0},
+};
 static const enum_val_t choices_sis_dlt_user[] = {
     {"off", "Off", -1},
     {"user0", "USER0 (147)", 0},
@@ -113,6 +119,7 @@ int pref_sis_edition = 0;
 compat_bool pref_sis_clc_as_sercos = FALSE;
 compat_bool pref_sis_ecodrive_phases = FALSE;
 unsigned pref_sis_tza_ms = 0;
+int pref_sis_tza_from = 0;
 unsigned pref_sis_trs_ms = 0;
 int pref_sis_dlt_user = -1;
 compat_bool pref_sis_tcp_heuristic = TRUE;
@@ -744,9 +751,9 @@ protocol_register_sis(void)
         "The pieces that came so far are not the whole value. Look what came between: a cancel, an error, or another access to the same device.",
         "The data are not joined, because one piece may be missing. Look for damaged or lost characters between the pieces. Then read the value again.",
         "The receiver may have dropped this telegram. Look which station talks, and at which character. Reduce its load, or set a longer TzA.",
-        "The interval may be longer or shorter than TzA: its time is not exact enough. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.",
+        "The interval may be longer or shorter than TzA: its time is not exact enough, or it depends on whether the character that ends it counts. No document says that. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond. If it depends on where TzA begins to count and you know it, set the preference sis.tza_from.",
         "The master may have given up before this reaction came. Look which station is late, and in which service. Set a longer TrS in the master if the station may be that slow.",
-        "The reaction may be later than TrS or not: its time is not exact enough. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.",
+        "The reaction may be later than TrS or not: its time is not exact enough, or it depends on whether its first character counts. No document says that. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.",
         "The master did not wait until the slave's time was over. Set the waiting time of the master (TwM) longer than TrS.",
         "The drive may have stopped, because the master control word came too late. Look what kept the master from writing S-0-0134.",
         "The cycle may be longer than Tmas or not: its times are not exact enough. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.",
@@ -767,6 +774,7 @@ protocol_register_sis(void)
     prefs_register_bool_preference(module, "clc_as_sercos", "Decode services 0xC0 to 0xCF like 0x10 to 0x1F", "The CLC's services are said to be close to the SERCOS services; their layout is not documented", &pref_sis_clc_as_sercos);
     prefs_register_bool_preference(module, "ecodrive_phases", "Decode services 0x82 and 0x8D like 0x12 and 0x1D", "Reading and switching the phase of an ECODRIVE this way is not confirmed", &pref_sis_ecodrive_phases);
     prefs_register_uint_preference(module, "tza_ms", "TzA in ms", "Longest interval allowed between two characters of a telegram; 0: as the bus was told", 10, &pref_sis_tza_ms);
+    prefs_register_enum_preference(module, "tza_from", "TzA counts from", "No document says whether the character that ends an interval counts. Unknown: where that decides, a verdict is unresolved", &pref_sis_tza_from, choices_sis_tza_from, FALSE);
     prefs_register_uint_preference(module, "trs_ms", "TrS in ms", "Longest reaction time allowed; 0: as the bus was told", 10, &pref_sis_trs_ms);
     prefs_register_enum_preference(module, "dlt_user", "Decode a user link type as SIS", "Captures of this link type hold bare telegrams. Goes before the table of protocol DLT_USER while it is set", &pref_sis_dlt_user, choices_sis_dlt_user, FALSE);
     prefs_register_bool_preference(module, "tcp_heuristic", "Recognize SIS on any TCP port", "Where a segment starts with a whole telegram: equal lengths, right checksum", &pref_sis_tcp_heuristic);

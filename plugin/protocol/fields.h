@@ -478,6 +478,7 @@ extern int pref_sis_edition;
 extern compat_bool pref_sis_clc_as_sercos;
 extern compat_bool pref_sis_ecodrive_phases;
 extern unsigned pref_sis_tza_ms;
+extern int pref_sis_tza_from;
 extern unsigned pref_sis_trs_ms;
 extern int pref_sis_dlt_user;
 extern compat_bool pref_sis_tcp_heuristic;

@@ -106,7 +106,8 @@ sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length, const sis_times_t 
         return times;
     times.record = record;
     times.first = first;
-    times.shortest = SHORTEST_CHARACTER(sertap_character_ns(record));
+    times.character = sertap_character_ns(record);
+    times.shortest = SHORTEST_CHARACTER(times.character);
     times.count = length;
     times.begin = moment_of(record, first, times.begin, before);
     times.end = times.begin + (int64_t)record->duration;
@@ -204,17 +205,33 @@ weight(const sis_interval_t *interval, bool is_exceeded)
     return interval->span.most != SIS_ANY_TIME ? interval->span.most : interval->recorded;
 }
 
+/* Of several, one that is exceeded decides, then one that is unresolved. */
+static void
+worsen(sis_verdict_t *verdict, sis_verdict_t next)
+{
+    if (*verdict == SIS_TIME_OK || next == SIS_TIME_EXCEEDED)
+        *verdict = next;
+}
+
+/* A limit, and what of an interval counts. */
+typedef struct {
+    int64_t limit;
+    sis_from_t from;
+} measure_t;
+
 static void
 consider(sis_longest_t *longest, const sis_times_t *times, sis_interval_t interval, uint8_t flags,
-         int64_t limit)
+         const measure_t *measure)
 {
-    sis_verdict_t verdict = sis_judge(interval.span, limit);
+    sis_readings_t readings = sis_judge_both(interval.span, times->character, measure->limit);
+    sis_verdict_t verdict = sis_verdict(readings, measure->from);
     bool is_exceeded = verdict == SIS_TIME_EXCEEDED, was_exceeded = longest->verdict == SIS_TIME_EXCEEDED;
 
     if (is_exceeded && longest->restart_at == 0 && looks_like_start(times, interval.at))
         longest->restart_at = interval.at;
-    if (longest->verdict == SIS_TIME_OK || is_exceeded)
-        longest->verdict = verdict;
+    worsen(&longest->verdict, verdict);
+    worsen(&longest->readings.whole, readings.whole);
+    worsen(&longest->readings.idle, readings.idle);
     if (flags & (SERTAP_INTERVAL_UNKNOWN | SERTAP_ERROR_LOST)) {
         if (verdict == SIS_TIME_UNRESOLVED && longest->unknown_at == 0)
             longest->unknown_at = interval.at;
@@ -228,14 +245,15 @@ consider(sis_longest_t *longest, const sis_times_t *times, sis_interval_t interv
 }
 
 sis_longest_t
-sis_longest(const sis_times_t *times, int64_t limit)
+sis_longest(const sis_times_t *times, int64_t limit, sis_from_t from)
 {
     sis_longest_t longest = {0};
+    measure_t measure = {limit, from};
     read_t *reads = wmem_alloc_array(NULL, read_t, times->count);
     unsigned count = find_reads(times, reads);
 
     if (limit == 0)
-        limit = SIS_ANY_TIME; /* nothing exceeds it: the most that an interval can have been counts */
+        measure.limit = SIS_ANY_TIME; /* nothing exceeds it: the most that an interval can have been counts */
     for (unsigned i = 0; i < count; i++) {
         const read_t *read = &reads[i];
         sis_interval_t interval = {.at = read->first - times->first + 1, .recorded = read->interval};
@@ -243,12 +261,12 @@ sis_longest(const sis_times_t *times, int64_t limit)
         if (i > 0) {
             interval.is_exact = read->size == 1 && reads[i - 1].size == 1;
             interval.span = span_before(times, &reads[i - 1], read);
-            consider(&longest, times, interval, read->flags, limit);
+            consider(&longest, times, interval, read->flags, &measure);
         }
         if (read->size > 1) {
             interval = (sis_interval_t){.at = read->first - times->first + 2};
             interval.span = span_inside(times, read);
-            consider(&longest, times, interval, flags_of(times->record, read->first + 1), limit);
+            consider(&longest, times, interval, flags_of(times->record, read->first + 1), &measure);
         }
     }
     wmem_free(NULL, reads);
@@ -280,4 +298,26 @@ sis_judge(sis_span_t span, int64_t limit)
     if (span.least > limit)
         return SIS_TIME_EXCEEDED;
     return span.most <= limit ? SIS_TIME_OK : SIS_TIME_UNRESOLVED;
+}
+
+sis_readings_t
+sis_judge_both(sis_span_t whole, int64_t character, int64_t limit)
+{
+    sis_span_t idle = {0, whole.most};
+
+    if (character > 0)
+        idle.least = MAX(whole.least, character) - character;
+    if (whole.most != SIS_ANY_TIME)
+        idle.most = MAX(whole.most - character, 0);
+    return (sis_readings_t){sis_judge(whole, limit), sis_judge(idle, limit)};
+}
+
+sis_verdict_t
+sis_verdict(sis_readings_t readings, sis_from_t from)
+{
+    if (from != SIS_FROM_UNKNOWN)
+        return from == SIS_FROM_END ? readings.idle : readings.whole;
+    if (readings.idle == SIS_TIME_EXCEEDED)
+        return SIS_TIME_EXCEEDED;
+    return readings.whole == SIS_TIME_OK ? SIS_TIME_OK : SIS_TIME_UNRESOLVED;
 }

@@ -19,8 +19,9 @@ typedef struct {
     const sertap_record_t *record; /* NULL: only the packet's time is known */
     unsigned first;                /* of the record's characters */
     unsigned count;
-    int64_t shortest; /* ns that a character takes, at least */
-    int64_t begin;    /* of its first character, as recorded */
+    int64_t character; /* ns that a character takes; 0: unknown */
+    int64_t shortest;  /* at least */
+    int64_t begin;     /* of its first character, as recorded */
     int64_t begin_earliest;
     int64_t begin_latest;
     int64_t end; /* of its last character, as recorded: the upper bound */
@@ -38,6 +39,15 @@ typedef struct {
     bool is_saturated; /* it was longer than `recorded` */
 } sis_interval_t;
 
+/* No document says whether the character that ends a duration counts: two verdicts. */
+typedef struct {
+    sis_verdict_t whole; /* with it */
+    sis_verdict_t idle;  /* without it */
+} sis_readings_t;
+
+/* Where a duration begins to count: the preference sis.tza_from. */
+typedef enum { SIS_FROM_UNKNOWN, SIS_FROM_END, SIS_FROM_START } sis_from_t;
+
 /* The times of the telegram at the beginning of `tvb`. `before`: of the telegram before it in the packet;
  * NULL: none. */
 sis_times_t sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length, const sis_times_t *before);
@@ -47,12 +57,13 @@ sis_times_t sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length, const 
 typedef struct {
     sis_interval_t interval;
     sis_verdict_t verdict;
+    sis_readings_t readings;
     unsigned restart_at; /* where a telegram seems to begin after too long a pause; 0: nowhere */
     unsigned unknown_at; /* the character before which the interval is unknown and matters; 0: none */
 } sis_longest_t;
 
 /* The limit in ns; 0: none, and nothing exceeds it. Only where times->record is not NULL. */
-sis_longest_t sis_longest(const sis_times_t *times, int64_t limit);
+sis_longest_t sis_longest(const sis_times_t *times, int64_t limit, sis_from_t from);
 
 /* Whether a duration up to this telegram was measured: in a read of the tap all characters have its time,
  * and a clock that was set back measures nothing. */
@@ -66,5 +77,11 @@ sis_span_t sis_span_between(int64_t end_earliest, int64_t end, const sis_times_t
 
 /* exceeded, ok or unresolved (see docs/verdicts.md); the limit in ns. */
 sis_verdict_t sis_judge(sis_span_t span, int64_t limit);
+
+/* Of a duration that ends with a character; `character` in ns, 0: unknown. */
+sis_readings_t sis_judge_both(sis_span_t whole, int64_t character, int64_t limit);
+
+/* Where nobody knows what counts, what both say. */
+sis_verdict_t sis_verdict(sis_readings_t readings, sis_from_t from);
 
 #endif

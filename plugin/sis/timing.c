@@ -155,13 +155,24 @@ position_text(const timing_t *t, unsigned n)
     return wmem_strdup_printf(pool, "Useful data, byte %u", n - telegram->body_offset);
 }
 
+/* An unresolved verdict would be another if somebody knew what counts. */
+static bool
+is_ambiguous(sis_readings_t readings)
+{
+    return readings.whole != readings.idle;
+}
+
 /* Why a verdict is unresolved apart from the longest interval, or what a receiver does after so long a
  * pause (chapter 10.5); and the character that decides it. */
 static const char *
 verdict_words(const sis_longest_t *longest)
 {
+    if (longest->verdict != SIS_TIME_EXCEEDED && longest->unknown_at != 0)
+        return ": an interval is not known";
     if (longest->verdict != SIS_TIME_EXCEEDED)
-        return longest->unknown_at != 0 ? ": an interval is not known" : "";
+        return pref_sis_tza_from == SIS_FROM_UNKNOWN && is_ambiguous(longest->readings)
+                   ? ": depends on where TzA begins to count"
+                   : "";
     return longest->restart_at != 0
                ? ": a receiver begins anew at a character that looks like the start of a telegram"
                : ": a receiver goes on";
@@ -242,14 +253,20 @@ show_trs(const timing_t *t)
     const sis_exchange_t *exchange = t->record->exchange;
     bool is_resolvable = t->telegram->times.is_bounded && exchange->command_spread != UINT32_MAX;
     sis_span_t span = {0, SIS_ANY_TIME};
+    sis_readings_t readings;
+    const char *words = ": how exact the times are is not known";
 
     if (is_resolvable)
         span = sis_span_between(exchange->command_end - exchange->command_spread, exchange->command_end,
                                 &t->telegram->times);
-    t->timing->trs_verdict = sis_judge(span, t->timing->trs);
+    readings = sis_judge_both(span, t->telegram->times.character, t->timing->trs);
+    t->timing->trs_verdict = sis_verdict(readings, SIS_FROM_UNKNOWN);
+    if (is_resolvable)
+        words = t->timing->trs_verdict == SIS_TIME_UNRESOLVED && is_ambiguous(readings)
+                    ? ": depends on whether the first character counts"
+                    : "";
     show_verdict(t, &trs, pref_sis_trs_ms == 0 ? setting(t, SIS_TRS) : NULL, t->timing->trs,
-                 t->timing->trs_verdict, is_resolvable ? "" : ": how exact the times are is not known",
-                 is_resolvable ? span_text(t, &span) : "");
+                 t->timing->trs_verdict, words, is_resolvable ? span_text(t, &span) : "");
 }
 
 /* The master's wait before a repetition, or after a broadcast. TwM is never sent, but a slave may take TrS
@@ -378,7 +395,7 @@ find_timing(timing_t *t)
     find_silence(timing, &t->telegram->times);
     timing->tza = limit(t, SIS_TZA, pref_sis_tza_ms);
     if (is_longest_wanted(t))
-        timing->longest = sis_longest(&t->telegram->times, timing->tza);
+        timing->longest = sis_longest(&t->telegram->times, timing->tza, (sis_from_t)pref_sis_tza_from);
     timing->has_reaction_time = is_answer && exchange->is_measured;
     if (is_answer && t->telegram->subaddress_count == 0 && t->telegram->times.record != NULL)
         timing->trs = limit(t, SIS_TRS, pref_sis_trs_ms);

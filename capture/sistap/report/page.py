@@ -106,8 +106,9 @@ _TIMELINE = (
 )
 _PAUSES = (
     "The smallest safe TzA is the whole number of ms that every telegram of the capture surely kept. A longer capture "
-    "makes it more certain. More exact times decide what is unresolved: `sistap doctor -i PORT` says how exact those "
-    "of a port are, and what makes them more exact."
+    "makes it more certain. No document says whether the character that ends an interval counts. If only the pause "
+    "counts, a smaller TzA is safe. More exact times decide most of what is unresolved: `sistap doctor -i PORT` says "
+    "how exact those of a port are, and what makes them more exact."
 )
 _REACTIONS = "From the last character of a command to the first of its reaction; both scales are logarithmic."
 _SCALED = "Both scales are logarithmic: a single long interval is seen, too."

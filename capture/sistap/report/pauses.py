@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Intervals between the characters of a telegram, by talker, rate and place: which TzA would be kept.
 
-Every interval I is known up to the uncertainty u. So a limit is surely kept if it is at least I + u.
+Every interval I is known up to the uncertainty u. So a limit is surely kept if it is at least I + u. No document says
+whether the character that ends an interval counts: if not, I less a character time counts, the pause alone.
 """
 
 from __future__ import annotations
@@ -10,13 +11,24 @@ import math
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import NamedTuple
 
+from sistap.line.settings import LineSettings
 from sistap.packets.dissection import LOST, UNRESOLVED, Judged, Packet
 from sistap.packets.distribution import Distribution
 
 MOST_PLACES = 24  # characters of a telegram that have a place of their own
 _THREE = 3.0  # of n without a single one: with 95 % confidence less than 3 of n in the long run
+
+
+@lru_cache(256)
+def _character_s(baud: int | None, text: str) -> float:
+    """Return the time of a character in the format that a packet shows; 0: unknown."""
+    try:
+        return LineSettings.parse(baud, text).character_ns / 1e9 if baud else 0.0
+    except ValueError:
+        return 0.0
 
 
 class Talker(NamedTuple):
@@ -35,9 +47,11 @@ class Pause:
     longest_s: float = 0.0
     position: int | None = None  # of the character after the longest, from 1
     most_s: float = 0.0  # the largest I + u
+    most_alone_s: float = 0.0  # the same of the pause alone
     unknown: int = 0  # telegrams without an uncertainty
     unresolved: int = 0
-    exact_s: float = math.inf  # an uncertainty that would have decided all of these
+    ambiguous: int = 0  # of these: no uncertainty decides them, because they depend on what counts
+    exact_s: float = math.inf  # an uncertainty that would have decided all others of these
     limits_s: set[float] = field(default_factory=set)
     ratio: float = 0.0  # the largest I + u as a part of the limit
     _longest_in: int = 0  # packet
@@ -57,12 +71,24 @@ class Pause:
             return
         most_s = max(time_s + uncertainty_s for time_s, uncertainty_s in known)
         self.most_s = max(self.most_s, most_s)
+        character_s = _character_s(packets[0].baud, packets[0].format)
+        self.most_alone_s = max(self.most_alone_s, most_s - character_s)
         if limit_s:
             self.limits_s.add(limit_s)
             self.ratio = max(self.ratio, most_s / limit_s)
             if verdict == UNRESOLVED:
-                self.unresolved += len(known)
-                self.exact_s = min(self.exact_s, *(abs(time_s - limit_s) for time_s, _ in known))
+                self._note_unresolved([time_s for time_s, _ in known], limit_s, character_s)
+
+    def _note_unresolved(self, times_s: Sequence[float], limit_s: float, character_s: float) -> None:
+        """Note what would decide them: they are too long if the pause alone is, and right if the interval is."""
+        self.unresolved += len(times_s)
+        for time_s in times_s:
+            if time_s <= limit_s:
+                self.exact_s = min(self.exact_s, limit_s - time_s)
+            elif character_s and time_s - character_s > limit_s:
+                self.exact_s = min(self.exact_s, time_s - character_s - limit_s)
+            else:
+                self.ambiguous += 1
 
     def _note_longest(self, packet: Packet, pause: Judged) -> None:
         """Note the longest of some packets. Of equal ones, the first counts."""
@@ -74,7 +100,15 @@ class Pause:
     @property
     def safe_ms(self) -> int | None:
         """Return the smallest TzA in ms that all of these telegrams surely kept; None if nobody knows."""
-        return None if self.unknown or not self.telegrams else max(math.ceil(round(self.most_s * 1e3, 6)), 1)
+        return self._whole_ms(self.most_s)
+
+    @property
+    def safe_alone_ms(self) -> int | None:
+        """Return the same if only the pause between two characters counts."""
+        return self._whole_ms(self.most_alone_s)
+
+    def _whole_ms(self, most_s: float) -> int | None:
+        return None if self.unknown or not self.telegrams else max(math.ceil(round(most_s * 1e3, 6)), 1)
 
     @property
     def one_in(self) -> int:

@@ -165,9 +165,11 @@ def _pause(talker: Talker, pause: Pause) -> dict[str, Any]:
         "part_of_limit": pause.ratio or None,
         "histogram": _histogram(pause.times),
         "smallest_safe_ms": pause.safe_ms,
+        "smallest_safe_ms_of_pause_alone": pause.safe_alone_ms,
         "longer_at_most_one_in": pause.one_in,
         "unresolved": pause.unresolved,
-        "resolved_if_more_exact_than_s": pause.exact_s if pause.unresolved else None,
+        "depends_on_what_counts": pause.ambiguous,
+        "resolved_if_more_exact_than_s": pause.exact_s if pause.unresolved > pause.ambiguous else None,
     }
 
 

@@ -44,7 +44,8 @@ GLOSSARY = (
     "the receiver may take a character 02 for the start of another telegram.",
     "TrS is the longest time a station may take to answer a command. TwM is how long the master waits before it sends "
     "a command again.",
-    "A verdict is unresolved if the times are not exact enough: the true time may be below or above the limit.",
+    "A verdict is unresolved if the times are not exact enough: the true time may be below or above the limit. It is "
+    "also unresolved if it depends on whether the character that ends an interval counts: no document says that.",
 )
 _LATENCY_TIMER = re.compile(r"latency timer (\d+) ms")  # in the event that begins a capture
 _SHORT = {
@@ -276,19 +277,28 @@ def pauses(report: Report) -> Table:
                 ms(one.most_s) if known else "",
                 f"{one.ratio:.0%}" if one.ratio and known else "",
                 f"{one.safe_ms} ms" if known else "not known",
+                f"{one.safe_alone_ms} ms" if known else "not known",
                 f"fewer than 1 in {one.one_in}" if known and one.one_in > 1 else "",
                 _decided(one) if one.unresolved else "",
             )
         )
     heads = ("Talker", "Rate", "Telegrams", "Longest interval", "Before character", "With its uncertainty")
-    more = ("Share of TzA", "Smallest safe TzA", "Longer ones (95 % sure)", "Unresolved")
+    safe = ("Smallest safe TzA", "If only the pause counts")
+    more = ("Share of TzA", *safe, "Longer ones (95 % sure)", "Unresolved")
     return Table("TzA: intervals by talker", (*heads, *more), rows)
 
 
 def _decided(one: Pause) -> str:
     """Say how exact the times would have to be to decide what is unresolved."""
-    needed = f"an uncertainty below {ms(one.exact_s)} decides them"
-    return f"{one.unresolved}; {needed if one.exact_s >= _EXACT_S else 'exactly the limit'}"
+    others, parts = one.unresolved - one.ambiguous, []
+    if others and one.exact_s < _EXACT_S:
+        parts.append("exactly the limit")
+    elif others:
+        parts.append(f"an uncertainty below {ms(one.exact_s)} decides {others if one.ambiguous else 'them'}")
+    if one.ambiguous:
+        verb = "depends" if one.ambiguous == 1 else "depend"
+        parts.append(f"{one.ambiguous} {verb} on where TzA begins to count")
+    return f"{one.unresolved}; {', '.join(parts)}"
 
 
 def places(report: Report) -> Table:

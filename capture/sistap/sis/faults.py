@@ -111,7 +111,8 @@ FAULTS = (
 # What to do where a verdict is unresolved.
 UNRESOLVED = (
     "Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI "
-    "adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond."
+    "adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond. If it depends on"
+    " where TzA begins to count and you know it, set the preference sis.tza_from."
 )
 
 # No fault, but found in the same way.
