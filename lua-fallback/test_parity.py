@@ -74,6 +74,12 @@ def test_every_item_of_each_alone(path: Path, passes: tuple[str, ...], plugin: T
     parity.check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path).options, passes))
 
 
+@pytest.mark.parametrize("counts_from", ["end", "start"])
+def test_where_tza_begins_to_count(counts_from: str, plugin: Tshark, script: Tshark) -> None:
+    limits = ("-o", "sis.tza_ms:5", "-o", "sis.trs_ms:50", "-o", f"sis.tza_from:{counts_from}")
+    parity.check(plugin, script, HERE / "timing-readings.pcapng", *limits)
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", ["timing-reads", "3964r"])
 def test_without_limits(name: str, plugin: Tshark, script: Tshark) -> None:
