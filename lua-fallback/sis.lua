@@ -6765,8 +6765,20 @@ do
     access.value = text and S.shortened(text, SHOWN_CHARACTERS) or bytes_text(bytes)
   end
 
+  -- A character of UTF-8 as its code, or as both codes that JSON needs.
+  local function escaped(character)
+    local size = #character
+    local code = size == 1 and byte(character) or byte(character) % 2 ^ (7 - size)
+
+    for place = 2, size do
+      code = code * 64 + byte(character, place) % 64
+    end
+    if code < 0x10000 then return strformat("\\u%04x", code) end
+    return strformat("\\u%04x\\u%04x", 0xD800 + floor((code - 0x10000) / 0x400), 0xDC00 + code % 0x400)
+  end
+
   local function quoted(text)
-    return '"' .. gsub(text, '["\\]', "\\%0") .. '"'
+    return '"' .. gsub(text, '["\\%c\128-\255][\128-\191]*', escaped) .. '"'
   end
 
   -- A JSON object; unknown values are left out.

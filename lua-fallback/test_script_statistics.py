@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 
 from make import Scenario, scenarios
 from merging import Group
+from sistap.sis.telegram import build
 from sistap.wireshark.tshark import Tshark
 from test_packed import COMMAND, NOISE, REACTION, written
 from test_parity import groups_and_passes, options
@@ -69,8 +71,42 @@ def test_accesses_to_parameters(plugin: Tshark, script: Tshark) -> None:
     """In the list of parameters, and as JSON."""
     capture = CAPTURE.with_name("accesses.pcapng")
     assert len(check(plugin, script, capture)["parameters"]) == 7
-    asked = ("-r", str(capture), "-T", "fields", "-e", "frame.number", "-e", "sis.access", "-Y", "sis.access")
+    asked = (
+        "-r",
+        str(capture),
+        "-T",
+        "fields",
+        "-e",
+        "frame.number",
+        "-e",
+        "sis.access",
+        "-Y",
+        "sis.access",
+    )
     assert plugin.output(*asked) == script.output(*asked) != ""
+
+
+def test_names_of_a_drive_as_json(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    """All characters that a name can have, the name of P-0-0001 of station 3 (chapter 6); then its value is read."""
+    telegrams = []
+    for control, data in (
+        (0x14, bytes(range(128))),
+        (0x24, bytes(range(128, 240))),
+        (0x3C, b"\5\0"),
+    ):
+        telegrams.append(build(0x10, 16, 3, bytes([control, 3, 0, 1, 0x80])))
+        telegrams.append(build(0x10, 16, 3, bytes([0, control, 3]) + data, reaction=True))
+    capture = written(tmp_path, *telegrams)
+    asked = ("-r", str(capture), "-T", "fields", "-e", "sis.access", "-Y", "sis.access")
+    text = plugin.output(*asked)
+    assert script.output(*asked) == text
+    assert text.isascii() and "\\\\" not in text
+    said = json.loads(text)
+    pictures = "".join(chr(0x2400 + code) for code in range(32))
+    assert said["name"] == pictures + bytes(range(32, 127)).decode() + "\u2421"
+    assert said["unit"].endswith(
+        "\xa0" + bytes(range(0xA1, 0xAD)).decode("latin-1") + "<ad>" + "".join(map(chr, range(0xAE, 240)))
+    )
 
 
 @pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
@@ -81,12 +117,21 @@ def test_values_from_before_their_attribute(passes: tuple[str, ...], plugin: Tsh
 @pytest.mark.thorough
 @pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 def test_each_capture(path: Path, plugin: Tshark, script: Tshark) -> None:
-    check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path).options, ()))
+    check(
+        plugin,
+        script,
+        path.with_suffix(".pcapng"),
+        *options(Scenario(path).options, ()),
+    )
 
 
 @groups_and_passes
 def test_all_captures_together(
-    group: Group, passes: tuple[str, ...], plugin: Tshark, script: Tshark, tmp_path: Path
+    group: Group,
+    passes: tuple[str, ...],
+    plugin: Tshark,
+    script: Tshark,
+    tmp_path: Path,
 ) -> None:
     capture = tmp_path / "merged.pcapng"
     group.write(capture)

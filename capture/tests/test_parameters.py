@@ -14,11 +14,14 @@ from pathlib import Path
 
 import pytest
 from commands import refused, run, run_anew
+from report_capture import Sent, write
 
 from sistap.accesses.access import Access, Parameter, accesses
 from sistap.accesses.listing import MOST, Listing, Place
 from sistap.parameters.mf4 import Measurement
 from sistap.parameters.reading import Found
+from sistap.sis.telegram import build
+from sistap.terminal.console import visible
 
 HOUSE = Path(__file__).parent.parent.parent
 CAPTURE = HOUSE / "test-captures" / "accesses.pcapng"
@@ -290,7 +293,61 @@ def test_memory_is_bounded() -> None:
     assert listing.left_out == 2
 
 
-def test_a_text_with_quotes_and_backslashes() -> None:
-    r"""As tshark prints it: it doubles each backslash of {"value":"\"a\\b\""}."""
-    row = r'{"access":"read","master":16,"station":"3","device":5,"parameter":"S-0-0030","value":"\\"a\\\\b\\""}'
-    assert [access.value for access in accesses({"sis.access": row})] == [r'"a\b"']
+ODD_TEXT = 'a\\b \\\\ \\u0041 \\n "q" \xa0\xe4\u2409'  # as the plugin shows it; a no-break space cannot be seen
+
+
+@pytest.mark.parametrize("is_doubled", [False, True], ids=["4.0", "4.2"])
+def test_a_text_with_quotes_and_backslashes(is_doubled: bool) -> None:
+    """`-T fields` doubles each backslash since Wireshark 4.2; the tap, and 4.0, do not."""
+    escaped = "".join(c if c.isalnum() and c.isascii() else f"\\u{ord(c):04x}" for c in ODD_TEXT)
+    row = f'{{"access":"read","master":16,"station":"3","device":5,"parameter":"S-0-0030","value":"{escaped}"}}'
+    row = row.replace("\\", "\\\\") if is_doubled else row
+    assert [access.value for access in accesses({"sis.access": row})] == [visible(ODD_TEXT)]
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_an_access_that_nobody_understands_is_left_out(number: int) -> None:
+    texts = '{"value":"\\x"}', "{}", "[]", "1", "{", '{"access":"read","number":' + "1" * 5000 + "}"
+    assert list(accesses({"sis.access": texts[number]})) == []
+
+
+@pytest.mark.parametrize("digits", ["1" * 400, "-" + "1" * 400 + ".5"], ids=["integer", "decimals"])
+def test_a_number_that_is_too_large(digits: str) -> None:
+    """The ASCII protocol has digits without an end."""
+    row = f'{{"access":"read","station":"3","device":5,"parameter":"S-0-0030","value":"{digits}","number":{digits}}}'
+    (access,) = accesses({"sis.access": row})
+    assert (access.number, access.value) == (None, digits)
+
+
+# Names and units of a drive, in Latin-1, and how they are shown: plugin/parameters/text.c, then what nobody sees.
+SHOWN = {
+    b"a\\b": "a\\b",
+    b"Flow \\x": "Flow \\x",
+    b"\\": "\\",
+    b"\\\\": "\\\\",
+    b"\\u0041\\n": "\\u0041\\n",
+    b'"now", {}%s&<b>\'': '"now", {}%s&<b>\'',
+    b"\t\n\r\0\x1f\x7f": "\u2409\u240a\u240d\u2400\u241f\u2421",
+    b"\x85\x9b\xa0\xad\xe4\xff": "<85><9b>\\xa0<ad>\xe4\xff",
+}
+
+
+@pytest.mark.attack("a drive whose names have backslashes, quotes, control characters", "they are shown as they are")
+@pytest.mark.usefixtures("dissector")
+def test_every_name_that_a_drive_can_have(tmp_path: Path) -> None:
+    """Name and unit of P-0-0000 and so on, then its value."""
+    sent = []
+    for number, name in enumerate(SHOWN):
+        for control, data in ((0x14, name), (0x24, name), (0x3C, b"\5\0")):
+            sent.append(Sent(build(0x10, 16, 3, bytes([control, 5, 0, number, 0x80]))))
+            sent.append(Sent(build(0x10, 16, 3, bytes([0, control, 5]) + data, reaction=True)))
+    capture = write(tmp_path / "names.pcapng", sent)
+    done = run(tmp_path, "parameters", capture, "--csv")
+    assert (done.returncode, done.stderr) == (0, "")
+    rows = list(csv.DictReader(io.StringIO(done.stdout)))
+    assert [(row["name"], row["unit"]) for row in rows] == [(text, text) for text in SHOWN.values()]
+    for done in (
+        run(tmp_path, "report", capture, "--format", "json", "-o", "-"),
+        run(tmp_path, "compare", capture, capture),
+    ):
+        assert (done.returncode, done.stderr) == (0, "")

@@ -76,18 +76,33 @@ hex_text(wmem_allocator_t *scope, tvbuff_t *data)
     return length > 0 ? bytes_to_str_maxlen(scope, tvb_get_ptr(data, 0, (int)length), length, 0) : "";
 }
 
+/* Of ASCII characters, and never two backslashes in a row: `tshark -T fields` doubles each since Wireshark 4.2,
+ * 4.0 and `-z sis,rows` do not, and so a reader needs not know who printed it. */
+static void
+append_character(wmem_strbuf_t *json, gunichar2 character)
+{
+    if (character >= ' ' && character <= '~' && character != '"' && character != '\\')
+        wmem_strbuf_append_c(json, (char)character);
+    else
+        wmem_strbuf_append_printf(json, "\\u%04x", character);
+}
+
 static void
 append_text(wmem_strbuf_t *json, const char *name, const char *text)
 {
+    char *valid;
+    gunichar2 *characters;
+
     if (text == NULL)
         return;
+    valid = g_utf8_make_valid(text, -1);
+    characters = g_utf8_to_utf16(valid, -1, NULL, NULL, NULL);
     wmem_strbuf_append_printf(json, ",\"%s\":\"", name);
-    for (; *text != '\0'; text++) {
-        if (*text == '"' || *text == '\\')
-            wmem_strbuf_append_c(json, '\\');
-        wmem_strbuf_append_c(json, *text);
-    }
+    for (const gunichar2 *character = characters; *character != 0; character++)
+        append_character(json, *character);
     wmem_strbuf_append_c(json, '"');
+    g_free(characters);
+    g_free(valid);
 }
 
 /* JSON has decimal numbers only. */

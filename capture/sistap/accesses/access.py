@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from sistap.terminal.console import visible
 from sistap.wireshark.rows import JOINT
 
 FIELD = "sis.access"
+_LARGEST = sys.float_info.max  # the ASCII protocol has numbers of any length
 _LONG = 1000  # characters of a text from which on it is not remembered
 _decode = json.JSONDecoder().raw_decode  # looks for no spaces around it, as json.loads does
 
@@ -63,19 +66,34 @@ def accesses(columns: Mapping[str, str]) -> Iterator[Access]:
     """Yield the accesses in the row of a packet. A list of services, or TCP, may have several."""
     port = columns.get("frame.interface_name", "")
     for text in filter(None, columns.get(FIELD, "").split(JOINT)):
-        yield _known(port, text) if len(text) < _LONG else _access(port, text)
+        access = _known(port, text) if len(text) < _LONG else _access(port, text)
+        if access is not None:
+            yield access
 
 
-def _access(port: str, text: str) -> Access:
-    """Return the access of a JSON text, which tshark has escaped once more."""
+def _access(port: str, text: str) -> Access | None:
+    """Return the access of a JSON text; None for one that another version of the dissector has written, or damaged."""
+    try:
+        return _made(port, _said(text))
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return None
+
+
+def _said(text: str) -> dict[str, Any]:
+    """Decode a text. It has no two backslashes in a row (plugin/sis/access.c), unless tshark has doubled each."""
     said, _ = _decode(text.replace("\\\\", "\\"))
+    return {name: visible(value) if isinstance(value, str) else value for name, value in said.items()}
+
+
+def _made(port: str, said: dict[str, Any]) -> Access:
+    number = said.get("number")
     return Access(
         parameter=Parameter(port, said["station"], said["device"], said["parameter"]),
         is_write=said["access"] == "write",
         master=said.get("master"),
         error=said.get("error", ""),
         value=said.get("value", ""),
-        number=said.get("number"),
+        number=None if number is None or abs(number) > _LARGEST else number,
         data=said.get("data"),
         name=said.get("name", ""),
         unit=said.get("unit", ""),
