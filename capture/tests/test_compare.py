@@ -13,8 +13,9 @@ from typing import Any
 import planted
 import pytest
 from commands import refused, run
-from report_capture import ANSWER, BUS, READ, READ_4, Sent, write
+from report_capture import ACCEPT, ANSWER, BUS, READ, READ_4, SET_TRS, SET_TZA, Sent, write
 
+from sistap.line.settings import Flag
 from sistap.sis.telegram import build
 
 READ_BODY, ANSWER_BODY = bytes.fromhex("3C 03 00 28 00"), bytes.fromhex("00 3C 03 E8 03")  # those of READ, ANSWER
@@ -228,6 +229,15 @@ def test_who_is_asked_and_never_answers(tmp_path: Path) -> None:
     assert [(one["what"], one["good"], one["bad"]) for one in told["services"]] == [
         ("Read parameter (0x10) of station 4", 0, 29)
     ]
+
+
+def test_times_that_were_not_measured(tmp_path: Path) -> None:
+    """A command and its reaction in one read, and TrS set: judged, but nobody knows how long it took."""
+    whole = [Sent(one, flags={place: Flag.SAME_READ for place in range(1, len(one) + 1)}) for one in (READ, ANSWER)]
+    capture = write(tmp_path / "one-read.pcapng", [Sent(SET_TRS), Sent(SET_TZA), Sent(ACCEPT), *whole])
+    times = as_json(tmp_path, capture, capture)["times"]
+    assert all(one["good"]["count"] and one["good"]["shortest_s"] is not None for one in times)
+    assert not [one for one in times if one["what"].startswith("answers")]
 
 
 @pytest.mark.thorough

@@ -194,6 +194,13 @@ def test_what_came_in_one_read_is_judged_but_has_no_reaction_time(tshark: Tshark
     report = made(tshark, write(tmp_path / "late.pcapng", [*BUS[:3], *late]))
     station = report.figures.stations[3]
     assert (station.reactions, station.times.count, station.trs.verdicts[UNRESOLVED]) == (1, 0, 1)
+    (service,) = tables.services(report).rows
+    assert service[2:7] == ("not measured",) * 5
+    (talking, answering) = sorted(tables.stations(report).rows, key=lambda row: int(row[1]))[::-1]
+    assert (talking[6:8], answering[6:8]) == (("", ""), ("not measured", "not measured"))
+    assert page.page(report)
+    figures = json.loads(plain.as_json(report), parse_constant=pytest.fail)
+    assert [one["times"] for one in figures["services"]] == [{"count": 0}]
 
 
 def test_stations(figures: dict[str, Any]) -> None:

@@ -82,6 +82,11 @@ def test_a_line() -> None:
     assert line(value("00 01", None, name="", unit="")) == f'{tags} text="00 01" 1773522060025791346'
 
 
+def test_a_number_without_decimals_is_a_number() -> None:
+    assert " value=7," in line(value("7 rpm", 7))
+    assert json.loads(message(value("7 rpm", 7)))["value"] == 7
+
+
 @pytest.mark.parametrize("number", [float("inf"), float("nan")])
 def test_what_no_number_can_say_is_text(number: float) -> None:
     """Neither the line protocol nor JSON has these."""

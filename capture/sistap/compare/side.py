@@ -85,14 +85,14 @@ class Side:
         self.stations[telegram.talker] += 1
         if not telegram.is_reaction:
             self.masters.add(telegram.talker)
-        if len(packet.telegrams) == 1 and not packet.errors & LOST:
+        if len(packet.telegrams) == 1 and packet.intervals_s and not packet.errors & LOST:
             self.intervals[telegram.talker].add(packet.intervals_s)
         if telegram.service is None:
             return
         if telegram.is_reaction:
             service = Service(telegram.talker, telegram.service)
             self.services[service] += 1
-            if telegram.reaction:
+            if telegram.reaction and telegram.reaction.measured_s:
                 self.reactions[service].add(telegram.reaction.measured_s)
         elif telegram.unanswered and telegram.listener is not None:
             self.services[Service(telegram.listener, telegram.service)] += 1

@@ -77,10 +77,10 @@ class Distribution:
         return self._sorted + len(self._waiting)
 
     @property
-    def shortest_s(self) -> float:
-        """Return the shortest time; infinite without any."""
+    def shortest_s(self) -> float | None:
+        """Return the shortest time; None without any."""
         self._sort()
-        return self._shortest_s
+        return self._shortest_s if self.count else None
 
     @property
     def longest_s(self) -> float:

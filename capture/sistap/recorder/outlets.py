@@ -62,7 +62,7 @@ class Value(NamedTuple):
     def plain(self) -> float | str:
         """Return it as a number, if it is one."""
         plain = self.access.plain
-        return plain if isinstance(plain, float) and math.isfinite(plain) else self.access.value
+        return plain if isinstance(plain, int | float) and math.isfinite(plain) else self.access.value
 
 
 class Outlet(Protocol):

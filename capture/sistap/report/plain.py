@@ -96,7 +96,7 @@ def _report(report: Report) -> dict[str, Any]:
         "faults": {fault.name: figures.faults[fault.name] for fault in FAULTS},
         "silences": {
             "above_200_ms": figures.silences.long,
-            "longest_s": figures.silences.longest_s,
+            "longest_s": figures.silences.longest_s or None,
             "longest_before_packet": figures.silences.before,
         },
         "intervals": _distribution(figures.pauses.intervals),
@@ -159,7 +159,7 @@ def _pause(talker: Talker, pause: Pause) -> dict[str, Any]:
         "station": talker.station,
         "baud": talker.baud or None,
         "telegrams": pause.telegrams,
-        "longest_s": pause.longest_s,
+        "longest_s": pause.longest_s or None,
         "before_character": pause.position,
         "longest_with_uncertainty_s": pause.most_s,
         "part_of_limit": pause.ratio or None,
@@ -182,7 +182,7 @@ def _station(address: int, station: Station) -> dict[str, Any]:
         "sent_again": station.repeats,
         "not_answered": station.unanswered,
         "reaction_times": _distribution(station.times),
-        "longest_pause_s": station.longest_pause_s,
+        "longest_pause_s": station.longest_pause_s or None,
         "trs": _limit(station.trs),
         "tza": _limit(station.tza),
     }

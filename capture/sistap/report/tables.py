@@ -83,6 +83,11 @@ def ms(time_s: float) -> str:
     return interval_text(round(time_s * 1e9))
 
 
+def _measured(time_s: float | None, times: Distribution) -> str:
+    """Write a figure of some times. There is none if all came in one read, or the clock was set back."""
+    return "not measured" if time_s is None or not times.count else ms(time_s)
+
+
 def ms_short(time_s: float) -> str:
     """Write a limit, which is a whole number of ms."""
     return f"{time_s * 1e3:g} ms"
@@ -272,7 +277,7 @@ def pauses(report: Report) -> Table:
                 str(station),
                 f"{baud} Bd" if baud else "",
                 str(one.telegrams),
-                ms(one.longest_s),
+                _measured(one.longest_s, one.times),
                 str(one.position or ""),
                 ms(one.most_s) if known else "",
                 f"{one.ratio:.0%}" if one.ratio and known else "",
@@ -340,9 +345,10 @@ def services(report: Report) -> Table:
     for number, service in sorted(report.figures.services.items()):
         times = service.times
         shown = [times.shortest_s, times.average_s, times.within_s(0.5), times.within_s(0.99), times.longest_s]
+        cells = [_measured(time_s, times) for time_s in shown]
         name = f"0x{number:02x} {service_name(number)}"
         judged = [_count(service.trs, verdict) for verdict in (EXCEEDED, UNRESOLVED)]
-        rows.append((name, str(times.count), *map(ms, shown), limits(service.trs), *judged))
+        rows.append((name, str(times.count), *cells, limits(service.trs), *judged))
     heads = ("Service", "Reactions", "Shortest", "Average", "Half within", "99 % within", "Longest")
     return Table("Reaction times by service", (*heads, "TrS", "Exceeded", "Unresolved"), rows)
 
@@ -353,7 +359,8 @@ def stations(report: Report) -> Table:
     for address, station in sorted(report.figures.stations.items()):
         times = station.times
         counts = [station.commands, station.reactions, station.errors, station.repeats, station.unanswered]
-        shown = [ms(times.within_s(0.5)), ms(times.longest_s)] if times.count else ["", ""]
+        reactions = [_measured(time_s, times) for time_s in (times.within_s(0.5), times.longest_s)]
+        shown = reactions if station.reactions else ["", ""]
         pause = ms(station.longest_pause_s) if station.longest_pause_s else ""
         exceeded = [_count(limit, EXCEEDED) for limit in (station.trs, station.tza)]
         rows.append((str(address), *map(str, counts), *shown, pause, *exceeded))
