@@ -95,6 +95,7 @@ local K, N = {}, {}
 K.PORT_TYPE_TCP = 2 -- of pinfo.port_type; 0: the packet has no ports
 
 local label, kind_of, base_of = {}, {}, {} -- of a field
+local name_of = {} -- of a field or an expert item, for filters
 
 local registered = {} -- by protocol: {fields, experts}
 
@@ -102,6 +103,7 @@ local registered = {} -- by protocol: {fields, experts}
 local function declare(abbreviation, kind, made, of_sis, of_sertap, others)
   local owner, name = match(abbreviation, "^(%w+)%.(.*)$")
 
+  name_of[made] = abbreviation
   registered[owner] = registered[owner] or {fields = {}, experts = {}}
   table.insert(registered[owner][kind], made)
   if owner == "sis" then
@@ -188,11 +190,17 @@ end
 
 -- Items of the tree. Without a tree, or without an item, they do nothing.
 
+local counts -- how often each field was added, while somebody wants to know; else nil: sis/packed
+
+local function count_field(which)
+  counts[which] = (counts[which] or 0) + 1
+end
+
 -- A field with its value, or with the value of its bytes, big endian; `text` replaces the displayed text.
 local function add(tree, which, tvb, offset, length, value, text)
-  if tree == nil then
-    return nil
-  elseif text ~= nil then
+  if tree == nil then return nil end
+  if counts then count_field(which) end
+  if text ~= nil then
     return tree:add(which, tvb(offset, length), value, text)
   elseif value ~= nil then
     return tree:add(which, tvb(offset, length), value)
@@ -202,11 +210,13 @@ end
 
 -- The same with little-endian bytes.
 local function add_le(tree, which, tvb, offset, length)
+  if counts and tree then count_field(which) end
   return tree and tree:add_le(which, tvb(offset, length))
 end
 
 -- A field with its value and `text` after its name.
 local function add_value(tree, which, tvb, offset, length, value, text)
+  if counts and tree then count_field(which) end
   return tree and tree:add(which, tvb(offset, length), value, label[which] .. ": " .. text)
 end
 
@@ -230,6 +240,7 @@ local effects = 0
 -- An expert item; by default with its declared text.
 local function add_expert(item, which, text)
   effects = effects + 1
+  if counts then count_field(which) end
   if text then item:add_proto_expert_info(which, text) else item:add_proto_expert_info(which) end
 end
 
@@ -292,6 +303,7 @@ local packet = {
   record = nil, -- of the serial tap, while its payload is dissected
   cols = nil,
   count = 0, -- telegrams whose exchange was looked for; this count is the key of data kept for a packet
+  telegrams = 0, -- dissected so far, and what stands in the place of one
 }
 
 local function look_at(pinfo)
@@ -1748,6 +1760,9 @@ field("sis.list.maximum", "Maximum length of the list", ftypes.UINT16, base.DEC 
   {" byte", " bytes"}, 0, "Bytes that the list can have; the second word of a list")
 field("sis.access", "Access", ftypes.STRING, base.NONE, nil, 0,
   "What was read or written of a parameter, as JSON: for programs")
+field("sis.packed", "Fields of this telegram", ftypes.STRING, base.NONE, nil, 0,
+  "The fields of a telegram that is not the first of its packet, with the number of values of each: "
+    .. "for programs")
 field("sis.told_before", "Told before", ftypes.STRING, base.NONE, nil, 0, "Heard on the bus before this file began")
 field("sis.text", "Text", ftypes.STRING, base.NONE, nil, 0, "Useful data of a product group that are plain ASCII")
 field("sis.element_length", "Length", ftypes.UINT8, base.DEC, nil, 0, "Service and body of this element")
@@ -3098,7 +3113,7 @@ do
       if private.sis then return end
       private.sis = "begun"
     end
-    packet.count = 0
+    packet.count, packet.telegrams = 0, 0
   end
 
   -- A fault: an expert item, and a mark in the info column.
@@ -3554,6 +3569,28 @@ do
     return strformat("Not a telegram, %d byte%s", body.there, plural(body.there))
   end
 
+  -- sis/packed: each telegram of a packet but the first says which fields it has.
+
+  local function begin_packed(tree)
+    counts = packet.telegrams > 0 and tree and tree:referenced(F.packed) and {} or nil
+    packet.telegrams = packet.telegrams + 1
+  end
+
+  local function tell_packed(tree, tvb)
+    local parts, of_name = {}, {}
+
+    if not counts then return end
+    for which, times in pairs(counts) do
+      parts[#parts + 1], of_name[name_of[which]] = name_of[which], times
+    end
+    counts = nil
+    table.sort(parts)
+    for place, name in ipairs(parts) do
+      parts[place] = strformat("%s=%d", name, of_name[name])
+    end
+    add(tree, F.packed, tvb, 0, 0, concat(parts, " ")):set_hidden()
+  end
+
   -- The telegram being dissected, and its useful data: one table for all of them, because making tables would take
   -- longer than the rest.
   local body = {}
@@ -3569,9 +3606,12 @@ do
     body.there, body.declared = there, declared -- 0: its two lengths differ, or are missing
     body.end_ = min(declared > 0 and declared or there, #bytes) -- available bytes of the telegram
     body.marks = "" -- for the end of the info column: what is wrong
-    if byte(bytes, 1) ~= K.START and declared ~= there then return dissect_no_telegram(body) end
-    if there < K.STATIC_LENGTH then return dissect_stump(body) end
-    return dissect_whole_telegram(body)
+    begin_packed(tree)
+    local words = (byte(bytes, 1) ~= K.START and declared ~= there and dissect_no_telegram
+      or there < K.STATIC_LENGTH and dissect_stump or dissect_whole_telegram)(body)
+
+    tell_packed(tree, tvb)
+    return words
   end
 
   -- Where the telegram at offset ends: at its declared length if another one starts there, else with the data.
@@ -3598,9 +3638,11 @@ do
     local rest = tvb(offset)
     local tree = parent:referenced(handle) and parent:add(sis, rest) or nil
 
+    begin_packed(tree)
     append_text(tree, ", not decoded")
     add_expert(tree or parent, E.telegrams_many)
     add(tree, F.raw, tvb, offset, rest:len())
+    tell_packed(tree, tvb)
     packet.cols.info:append(strformat(" | Not decoded, %d byte%s", there - offset, plural(there - offset)))
   end
 
@@ -5692,7 +5734,7 @@ do
 
   -- As Wireshark's own reassembly shows it. `which` has its fields: all, piece, count, length.
   function S.show_pieces(parent, data, pieces, which)
-    local tree, offset = parent:add(which.all, data.tvb()), 0
+    local tree, offset = add(parent, which.all, data.tvb, 0, data.tvb:len()), 0
 
     tree:set_text(strformat("%d %s (%d byte%s):", #pieces, #pieces == 1 and "Piece" or "Pieces", data.length,
       plural(data.length)))

@@ -185,6 +185,7 @@ int hf_sis_attribute_protected_4 = -1;
 int hf_sis_list_actual = -1;
 int hf_sis_list_maximum = -1;
 int hf_sis_access = -1;
+int hf_sis_packed = -1;
 int hf_sis_told_before = -1;
 int hf_sis_text = -1;
 int hf_sis_element_length = -1;
@@ -581,6 +582,7 @@ protocol_register_sis(void)
         {&hf_sis_list_actual, {"Actual length of the list", "sis.list.actual", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&unit_sis_list_actual), 0, "Bytes that the list has now; the first word of a list", HFILL}},
         {&hf_sis_list_maximum, {"Maximum length of the list", "sis.list.maximum", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&unit_sis_list_maximum), 0, "Bytes that the list can have; the second word of a list", HFILL}},
         {&hf_sis_access, {"Access", "sis.access", FT_STRING, BASE_NONE, NULL, 0, "What was read or written of a parameter, as JSON: for programs", HFILL}},
+        {&hf_sis_packed, {"Fields of this telegram", "sis.packed", FT_STRING, BASE_NONE, NULL, 0, "The fields of a telegram that is not the first of its packet, with the number of values of each: for programs", HFILL}},
         {&hf_sis_told_before, {"Told before", "sis.told_before", FT_STRING, BASE_NONE, NULL, 0, "Heard on the bus before this file began", HFILL}},
         {&hf_sis_text, {"Text", "sis.text", FT_STRING, BASE_NONE, NULL, 0, "Useful data of a product group that are plain ASCII", HFILL}},
         {&hf_sis_element_length, {"Length", "sis.element_length", FT_UINT8, BASE_DEC, NULL, 0, "Service and body of this element", HFILL}},

@@ -125,6 +125,7 @@ extern int hf_sis_attribute_protected_4;
 extern int hf_sis_list_actual;
 extern int hf_sis_list_maximum;
 extern int hf_sis_access;
+extern int hf_sis_packed;
 extern int hf_sis_told_before;
 extern int hf_sis_text;
 extern int hf_sis_element_length;

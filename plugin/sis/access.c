@@ -76,8 +76,8 @@ hex_text(wmem_allocator_t *scope, tvbuff_t *data)
     return length > 0 ? bytes_to_str_maxlen(scope, tvb_get_ptr(data, 0, (int)length), length, 0) : "";
 }
 
-/* Of ASCII characters, and never two backslashes in a row: `tshark -T fields` doubles each since Wireshark 4.2,
- * 4.0 and `-z sis,rows` do not, and so a reader needs not know who printed it. */
+/* Of ASCII characters, and never two backslashes in a row: `tshark -T fields` doubles each since
+ * Wireshark 4.2, 4.0 and `-z sis,rows` do not, and so a reader needs not know who printed it. */
 static void
 append_character(wmem_strbuf_t *json, gunichar2 character)
 {

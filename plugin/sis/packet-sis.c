@@ -11,6 +11,7 @@
 #include "protocol/limits.h"
 #include "sis/address.h"
 #include "sis/dispatch.h"
+#include "sis/packed.h"
 #include "sis/timing.h"
 
 #define MAX_SUBADDRESSES 7
@@ -447,6 +448,7 @@ sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
         dissect_stump(&d);
     else
         dissect_whole_telegram(&d);
+    sis_tell_packed(tvb, pinfo, d.tree);
     /* Throws where the capture has cut the packet, and Wireshark then says so. It stands last, so that all
      * captured bytes are dissected before. */
     tvb_ensure_bytes_exist(tvb, 0, (int)there);
@@ -487,6 +489,7 @@ dissect_rest(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
     proto_item_append_text(root, ", not decoded");
     expert_add_info(pinfo, root, &ei_sis_telegrams_many);
     proto_tree_add_item(tree, hf_sis_raw, tvb, 0, tvb_captured_length(tvb), ENC_NA);
+    sis_tell_packed(tvb, pinfo, tree);
     tvb_ensure_bytes_exist(tvb, 0, (int)there);
 }
 

@@ -65,6 +65,7 @@ typedef struct sis_telegram {
 typedef struct {
     struct sis_record *found;   /* of the telegram whose exchange was searched for last; NULL: none */
     const sis_telegram_t *last; /* the last dissected telegram; NULL: none */
+    unsigned telegrams;         /* dissected so far, and what stands in the place of one */
 } sis_packet_t;
 
 sis_packet_t *sis_packet(packet_info *pinfo);

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 from sistap.episodes.baseline import unlike
 from sistap.episodes.book import Book
@@ -15,7 +16,7 @@ from sistap.episodes.rules import THRESHOLDS, Thresholds
 from sistap.episodes.silence import BusSilence, StationSilence
 from sistap.episodes.states import Limits, Phases, Rate, Tap
 from sistap.episodes.values import Values
-from sistap.packets.dissection import Packet
+from sistap.packets.dissection import Packet, Telegram
 
 
 class _Port:
@@ -67,12 +68,12 @@ class Engine:
         unusual = [*port.writes.first, *self._values.under_way(begun)]
         return hits + [hit for hit in unusual if hit.kind == "changed" or not is_learning]
 
-    def unanswered(self, command: Packet) -> None:
+    def unanswered(self, packet: Packet, command: Telegram) -> None:
         """Learn that a command had no reaction: of a packet that was looked at, only the next command tells it."""
-        for telegram in command.telegrams:
-            telegram.unanswered = telegram.good and not telegram.is_reaction
-        self._of(command.interface).silence.add(command)
-        self._values.add(command)
+        command.unanswered = True
+        alone = replace(packet, telegrams=[command], accesses=[])
+        self._of(packet.interface).silence.add(alone)
+        self._values.add(alone)
 
     def silent(self, now_s: float) -> list[Hit]:
         """Return what lasts while no packet comes."""

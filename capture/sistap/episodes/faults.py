@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from sistap.accesses.access import accesses
 from sistap.episodes.episode import Hit
 from sistap.episodes.rules import Severity
 from sistap.packets.dissection import DOUBTFUL, EXCEEDED, LOST, Judged, Packet, Telegram
@@ -38,13 +39,13 @@ class Faults:
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return the hits of a packet."""
-        is_bad = False
+        bad = 0
         for telegram in packet.telegrams:
-            is_bad |= not telegram.good
+            bad += not telegram.good
         is_other = packet.type == OTHER and self._asked is not None
         hits: list[Hit] = []
-        if is_bad or is_other or packet.errors or packet.event == Event.CHARACTERS_LOST:
-            hits += self._damage(packet, is_bad=is_bad, is_other=is_other)
+        if bad or is_other or packet.errors or packet.event == Event.CHARACTERS_LOST:
+            hits += self._damage(packet, bad, is_other=is_other)
         for telegram in packet.telegrams:
             if telegram.good:
                 if telegram.is_doubtful:
@@ -56,20 +57,21 @@ class Faults:
             hits += _others(packet)
         return hits
 
-    def _damage(self, packet: Packet, *, is_bad: bool, is_other: bool) -> Iterator[Hit]:
+    def _damage(self, packet: Packet, bad: int, *, is_other: bool) -> Iterator[Hit]:
         """Yield damage: of one cause, the first that is known. Its station is the one whose telegram was due."""
         station = self._asked
         if station is None and packet.telegrams:
             station = slave(packet.telegrams[0])
-        what = "in a telegram that is damaged" if is_bad or is_other else "in a telegram that is not damaged"
+        what = "in a telegram that is damaged" if bad or is_other else "in a telegram that is not damaged"
         if packet.errors & ~LOST:
             yield _hit("line_error", packet, station, what)
         elif packet.errors & LOST:
             yield _hit("lost", packet, station, what)
         elif packet.event == Event.CHARACTERS_LOST:
             yield _hit("lost", packet, None, packet.text)
-        elif is_bad or is_other:
-            yield _hit("damaged", packet, station, "its checksum is wrong" if is_bad else "its rest is not a telegram")
+        elif bad or is_other:
+            for _ in range(bad or 1):
+                yield _hit("damaged", packet, station, "its checksum is wrong" if bad else "its rest is not a telegram")
 
 
 def _limits(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
@@ -93,9 +95,10 @@ def _limits(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
 
 def _others(packet: Packet) -> Iterator[Hit]:
     """Yield faults that other fields tell: a good checksum with a wrong length, an error of the ASCII protocol."""
-    station = slave(packet.telegrams[0]) if packet.telegrams else None
-    for kind in (_KINDS[fault.name] for fault in packet.faults if fault.name in _KINDS):
-        yield _hit(kind, packet, station)
+    found = [(slave(telegram), telegram.faults) for telegram in packet.telegrams] or [(None, packet.faults)]
+    for station, faults in found:
+        for kind in (_KINDS[fault.name] for fault in faults if fault.name in _KINDS):
+            yield _hit(kind, packet, station)
 
 
 def _errors(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
@@ -103,7 +106,8 @@ def _errors(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
         yield _hit("system_error", packet, telegram.talker)
     if not telegram.is_refusal:
         return
-    errors = [access for access in packet.accesses if access.error]
+    said = packet.accesses if len(packet.telegrams) == 1 else accesses(telegram.columns)
+    errors = [access for access in said if access.error]
     service = service_name(telegram.service or 0)
     what = errors[0].error if errors else f"{service}, status 0x{telegram.status or 0:02x}"
     parameter = errors[0].parameter.ident if errors else ""

@@ -10,7 +10,7 @@ from typing import Any
 from sistap.episodes.engine import Engine
 from sistap.episodes.episode import Hit, severity_of
 from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Thresholds
-from sistap.packets.dissection import Packet
+from sistap.packets.dissection import Packet, Telegram
 from sistap.records.record import KEPT, Event
 from sistap.wireshark.rows import EVENT
 
@@ -28,7 +28,7 @@ class Live:
         self._learning_s = thresholds.learning_s
         self._began_s = math.inf
         self._is_apart = False
-        self._asked: dict[tuple[str, int | None], Packet] = {}  # the last command of each master
+        self._asked: dict[tuple[str, int | None], tuple[Packet, Telegram]] = {}  # the last command of each master
         self._last_s: dict[tuple[str, str, int | None, str], float] = {}  # when what goes on was last there
 
     def add(self, packet: Packet) -> list[Hit]:
@@ -59,8 +59,8 @@ class Live:
                 asked = packet.interface, telegram.talker
                 before = self._asked.get(asked)
                 if before and telegram.columns.get(FIELD):
-                    self._engine.unanswered(before)
-                self._asked[asked] = packet
+                    self._engine.unanswered(*before)
+                self._asked[asked] = packet, telegram
 
     def _matters(self, hit: Hit) -> bool:
         if severity_of(hit) < Severity.WARNING and hit.kind not in _CERTAIN:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -16,19 +17,12 @@ from sistap.accesses.access import FIELD as ACCESSES
 from sistap.accesses.access import Access, accesses
 from sistap.captures.portions import Portion
 from sistap.line.settings import Flag
+from sistap.packets.apart import PACKED, apart, beside
 from sistap.packets.kept import Kept, Span
 from sistap.records.record import INTERVAL_MAX, KEPT, Event
 from sistap.sis.faults import FAULTS, Fault
 from sistap.wireshark import rows
-from sistap.wireshark.rows import (
-    EVENT,
-    JOINT,
-    NECESSARY,
-    NO_DISSECTOR,
-    damage,
-    first,
-    told,
-)
+from sistap.wireshark.rows import EVENT, JOINT, NECESSARY, NO_DISSECTOR, damage, first, told
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 # Those that the installed dissector lacks are left out and named in the report.
@@ -79,6 +73,7 @@ _SHOWN = (
     "sis.bus.load",
     "sis.phase",
     "sis.parameter",
+    PACKED,
     ACCESSES,
 )
 _TESTED = rows.tested(test for fault in FAULTS for test in fault.tests)
@@ -159,6 +154,7 @@ class Telegram:
     cycle: Judged | None  # Tmas
     pause_position: int | None  # of the character after it, from 1
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
+    faults: Sequence[Fault] = ()  # its own; where it is alone in its packet, those of the packet
 
 
 @dataclass(slots=True)
@@ -175,7 +171,7 @@ class Packet:
     text: str
     same_read: int  # characters from the same read as the one before
     errors: int  # Flags, ORed
-    faults: Sequence[Fault]
+    faults: Sequence[Fault]  # of each telegram, and of the record
     number: int
     epoch_s: float
     time_s: float  # since the first packet
@@ -381,6 +377,7 @@ class _AlikeTelegram(NamedTuple):
     """What a row says of a telegram besides what is its own."""
 
     make: Callable[..., Telegram]  # of what is its own
+    faults: Sequence[Fault]
     trs: tuple[float | None, int | None]  # limit and verdict
     tza: tuple[float | None, int | None]
     tmas: tuple[float | None, int | None]
@@ -408,7 +405,7 @@ class _AlikeTelegram(NamedTuple):
             first(get("sis.phase", "")),
             any(verdict in DOUBTFUL for _, verdict in limits),
         )
-        return cls(make, *limits)
+        return cls(make, _faults(columns), *limits)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -417,19 +414,20 @@ class _Alike:
 
     columns: Mapping[str, str]
     make: Callable[..., Packet]  # of what is its own
-    telegram: _AlikeTelegram | None  # if there is exactly one
-    telegrams: int
+    telegrams: Sequence[_AlikeTelegram]
     unknown: int  # intervals
 
     @classmethod
     def of(cls, columns: Mapping[str, str]) -> _Alike:
         """Work it out."""
-        starts = columns.get("sis.start")
-        telegrams = starts.count(JOINT) + 1 if starts else 0
+        parts = _parts(columns)
+        found = {fault: 1 for fault in _faults(columns)}
+        if len(parts) > 1:
+            counts = Counter(fault for part in (beside(columns), *parts) for fault in _faults(part))
+            found = {fault: max(counts[fault], 1) for fault in found}
+        faults = tuple(fault for fault, count in found.items() for _ in range(count))
         unknown = _how_often(columns.get("sertap.interval.unknown"))
-        return cls(
-            columns, _making(columns), _AlikeTelegram.of(columns) if telegrams == 1 else None, telegrams, unknown
-        )
+        return cls(columns, _making(columns, faults), [_AlikeTelegram.of(part) for part in parts], unknown)
 
 
 class _Rows:
@@ -490,7 +488,19 @@ def _packet(columns: Mapping[str, str], own: list[str], alike: _Alike) -> Packet
     )
 
 
-def _making(columns: Mapping[str, str]) -> Callable[..., Packet]:
+def _parts(columns: Mapping[str, str]) -> Sequence[Mapping[str, str]]:
+    """Return the columns of each telegram of a packet. Most have one, and no others."""
+    starts = columns.get(NECESSARY)
+    if not starts:
+        return []
+    return apart(columns, starts.count(JOINT) + 1) if JOINT in starts else [columns]
+
+
+def _faults(columns: Mapping[str, str]) -> Sequence[Fault]:
+    return tuple(fault for fault in FAULTS if rows.passes(fault.tests, columns))
+
+
+def _making(columns: Mapping[str, str], faults: Sequence[Fault]) -> Callable[..., Packet]:
     """Return what makes a packet of what is its own."""
     get = columns.get
     return partial(
@@ -505,23 +515,16 @@ def _making(columns: Mapping[str, str]) -> Callable[..., Packet]:
         get("sertap.text", ""),
         _how_often(get("sertap.same_read")),
         sum(flag for name, flag in _LINE_ERRORS if _how_often(get(name))),
-        tuple(fault for fault in FAULTS if rows.passes(fault.tests, columns)),
+        faults,
     )
 
 
 def _telegrams(columns: Mapping[str, str], own: list[str], alike: _Alike) -> list[Telegram]:
     """Return the telegrams of a packet: TCP may carry several."""
-    if alike.telegram:
-        return [_telegram(columns, own, alike.telegram)]
-    if not alike.telegrams:
-        return []
-    # If not all of them have a field, its values are ambiguous and are left out.
-    split = {name: text.split(JOINT) for name, text in columns.items() if name.startswith("sis.")}
-    parts = [
-        {name: texts[index] for name, texts in split.items() if len(texts) == alike.telegrams}
-        for index in range(alike.telegrams)
-    ]
-    return [_telegram(part, _own(part), _AlikeTelegram.of(part)) for part in parts]
+    known = alike.telegrams
+    if len(known) == 1:
+        return [_telegram(columns, own, known[0])]
+    return [_telegram(part, _own(part), one) for part, one in zip(_parts(columns), known, strict=True)] if known else []
 
 
 def _telegram(columns: Mapping[str, str], own: list[str], alike: _AlikeTelegram) -> Telegram:
@@ -536,6 +539,7 @@ def _telegram(columns: Mapping[str, str], own: list[str], alike: _AlikeTelegram)
         _judged(cycle, *alike.tmas),
         _known_integer(position),
         columns,
+        alike.faults,
     )
 
 

@@ -120,7 +120,7 @@ class Figures:
     limits: dict[str, Limit] = field(default_factory=lambda: {name: Limit() for name in ("tza", "trs", "tmas")})
     services: defaultdict[int, Service] = field(default_factory=lambda: defaultdict(Service))
     stations: defaultdict[int, Station] = field(default_factory=lambda: defaultdict(Station))
-    faults: Counter[str] = field(default_factory=Counter)  # packets that have each
+    faults: Counter[str] = field(default_factory=Counter)  # telegrams and records that have each
     slices: Slices = field(default_factory=Slices)
     parameters: Listing = field(default_factory=Listing)
     curves: Curves = field(default_factory=Curves)

@@ -334,7 +334,10 @@ def faults(report: Report) -> Table:
     rows = [
         (fault.title, str(counts[fault.name]), fault.filter, fault.do if counts[fault.name] else "") for fault in FAULTS
     ]
-    note = "Every packet counts here. Above, packets that belong together are one: a silence has many commands."
+    note = (
+        "Every packet counts here, and each telegram in it. Above, packets that belong together are one: a silence has "
+        "many commands."
+    )
     heads = ("What", "How often", "Display filter for all of them", "What to do")
     return Table("Faults", heads, rows, code=2, note=note)
 
