@@ -1027,7 +1027,7 @@ N.errors_ascii = {
 -- tap's queue holds 5,000.
 K.MOST_DISSECTED = 32768
 
--- Transfers from one station to another; a device has one at a time.
+-- Transfers under way on one line; a device has one at a time.
 K.MOST_OPEN = 256
 
 -- Pieces of a transfer: 64 KB in pieces of 8 bytes. Wireshark searches all of them for each.
@@ -3091,6 +3091,7 @@ end
 do
   K.START = 0x02
   K.TOKEN_PASSING = 0x0F -- what is in it is not specified
+  K.CANCEL_SERVICE, K.LIST_SERVICE = 0x01, 0x04 -- cancel data transmission (chapter 4), a list of services (chapter 7)
   K.STATIC_LENGTH = 8 -- of the header; DatLW counts the bytes after it
   -- Telegram control (chapter 2.1).
 
@@ -3342,6 +3343,7 @@ do
     body.status_text, body.error_text, body.errors = nil, nil, nil
     body.is_explained = false
     body.summary = S.service_name(telegram.service)
+    body.element = 0
     body.request = not telegram.is_reaction and {service = telegram.service} or nil
     body.asked = exchange and exchange.request
     body.record = telegram.is_good and record or nil
@@ -3365,7 +3367,7 @@ do
     local exchange = record.exchange
 
     if not body.is_quick or not exchange or exchange.repeat_of or exchange.is_step_again or record.reaction_before
-      or record.transfer or record.transfer_ended or record.phase_switch then
+      or record.steps then
       return nil
     end
     if packet.visited then return exchange.request end
@@ -4403,12 +4405,13 @@ end
 --- sis/dispatch: service 0x04, execute a list of SIS services (chapter 7): each element is the telegram it stands for
 
 do
-  local LIST_SERVICE = 0x04
+  local LIST_SERVICE = K.LIST_SERVICE
   local SHORTEST_ELEMENT, CHANNEL_CODE = 3, 2 -- bytes
 
-  local function add_request(list, request)
+  local function add_request(list, number, request)
     local last = list.last_request
 
+    request.place = number
     if last then last.next = request else list.request.list = request end
     list.last_request = request
   end
@@ -4448,7 +4451,7 @@ do
   end
 
   -- The body of an element, `length` bytes after its service, as if it were alone in a telegram.
-  local function dissect_element_body(list, root, service, length, commands)
+  local function dissect_element_body(list, root, number, service, length, commands)
     local element = {
       telegram = list.telegram,
       tvb = list.tvb,
@@ -4460,7 +4463,7 @@ do
       offset = list.offset,
       end_ = list.offset + length,
       is_cut = list.is_cut and list.offset + length == list.end_,
-      is_nested = true,
+      element = number,
       is_reaction = list.is_reaction,
       service = service,
       status = 0,
@@ -4478,7 +4481,7 @@ do
     end
     if not list.is_reaction then
       element.request = {service = service}
-      add_request(list, element.request)
+      add_request(list, number, element.request)
     end
     S.dissect_body(element)
     commands.is_one_unknown = commands.is_one_unknown or element.status ~= 0 or not S.has_status(service)
@@ -4499,24 +4502,24 @@ do
   end
 
   -- The following elements still have their commands.
-  local function show_recursion(list, length, commands)
+  local function show_recursion(list, number, length, commands)
     commands.is_one_unknown = true
     take_command(commands, list, LIST_SERVICE, length)
-    if not list.is_reaction then add_request(list, {service = LIST_SERVICE}) end
+    if not list.is_reaction then add_request(list, number, {service = LIST_SERVICE}) end
     S.mark(list, E.list_recursion, "a list in a list")
     if length > 0 then add(list.tree, F.raw, list.tvb, list.offset, length) end
   end
 
   -- What an element stands for, `length` bytes after its service of which `there` are there.
-  local function dissect_element_service(list, root, length, there, commands)
+  local function dissect_element_service(list, root, number, length, there, commands)
     local service = S.take(list, F.service, 1)
 
     if not service then return end
     if length > there and not list.is_cut then S.mark(list, E.body_missing, "an element is cut") end
     if service == LIST_SERVICE then
-      show_recursion(list, there, commands)
+      show_recursion(list, number, there, commands)
     else
-      dissect_element_body(list, root, service, there, commands)
+      dissect_element_body(list, root, number, service, there, commands)
     end
     list.offset = list.offset + there
   end
@@ -4532,7 +4535,7 @@ do
     if length == 0 then
       S.mark(list, E.body_unexpected, "an element is empty")
     else
-      dissect_element_service(list, root, length - 1, size - 2, commands)
+      dissect_element_service(list, root, number, length - 1, size - 2, commands)
     end
     list.tree = outer
   end
@@ -4841,8 +4844,15 @@ do
     S.say(body, ", %s of %d byte%s", access.is_last and "last piece" or "piece", length, plural(length))
     if not whole then return end
     length = whole.length
-    show_data(access, add_subtree(body.tree, whole.tvb, whole.offset, length,
-      strformat("Data of all pieces, %d byte%s", length, plural(length))), whole)
+    local is_doubtful = S.is_doubtful(body)
+    local tree = add_subtree(body.tree, whole.tvb, whole.offset, length, strformat("Data of all pieces%s, %d byte%s",
+      is_doubtful and " if the transfer went on" or "", length, plural(length)))
+
+    if is_doubtful then
+      add(tree, F.data, whole.tvb, whole.offset, length)
+    else
+      show_data(access, tree, whole)
+    end
   end
 
   -- The data of this telegram, or of all pieces; nil if more pieces follow.
@@ -4984,20 +4994,22 @@ do
       }
       if from.phase_switch.to < OPERATING_PHASE then from.stream.idle_in = packet.number end
     elseif not is_switch and from.phase_switch then
-      record.phase_switch = from.phase_switch
-      record.is_switch_end = body.status ~= 0 or phase == from.phase_switch.to
-      if record.is_switch_end then from.phase_switch = nil end
+      local step = S.make_step(record, body.element)
+
+      step.phase_switch = from.phase_switch
+      step.is_switch_end = body.status ~= 0 or phase == from.phase_switch.to
+      if step.is_switch_end then from.phase_switch = nil end
     end
   end
 
   local function show_switch(body)
-    local record = body.record
-    local switch = record.phase_switch
+    local step = S.step(body.record, body.element)
+    local switch = step.phase_switch
 
     if not switch then return end
     append_text(set_generated(add(body.tree, F.phase_switch_in, body.tvb, 0, 0, switch.command_in)),
       strformat(" (to phase %d)", switch.to))
-    if not record.is_switch_end then
+    if not step.is_switch_end then
       S.say(body, ", switching to phase %d", switch.to)
       return
     end
@@ -5031,7 +5043,7 @@ do
       if not phase then return end
     end
     if body.status == 0x02 then S.take_error(body, N.errors_phase) end
-    if body.is_nested or not body.record or not body.record.exchange then return end
+    if not body.record or not body.record.exchange then return end
     if not packet.visited then follow_switch(body, phase) end
     show_switch(body)
   end
@@ -5073,6 +5085,7 @@ do
       damaged_count = 0, -- damaged telegrams, and what may have been one
       damaged_in = 0, -- the last of them
       lost_in = 0, -- the last loss of characters
+      open = {}, -- transfers under way, the oldest first (sis/sequence)
       last = {}, -- command of each master
       newest = nil, -- command of all masters
       streams = {},
@@ -5155,18 +5168,15 @@ do
     if not before or from.bytes ~= bytes then
       return
     end
+    from.same = before
     exchange.is_reaction_kept = telegram.number > 0
     exchange.is_kept_reaction_seen = exchange.is_reaction_kept and before.reaction_in ~= nil
-    if before.is_to_be_repeated then
-      exchange.is_step_again = true
-      exchange.transfer = before.transfer
-    end
+    exchange.is_step_again = before.is_to_be_repeated
     if before.reaction_in and not exchange.is_reaction_kept then
       return
     end
     exchange.repeat_of = before.repeat_of or before.command_in
     exchange.first = before.first or before
-    exchange.transfer = before.transfer
   end
 
   -- A router's version of a waiting command belongs to it.
@@ -5223,7 +5233,7 @@ do
 
     if S.is_counting then exchange.command_begin = times.begin end
     if #bytes > declared then bytes = sub(bytes, 1, declared) end
-    from.path = telegram.path
+    from.path, from.same = telegram.path, nil
     if needs_reaction(telegram) then find_repeat(exchange, from, bytes, telegram) end
     find_route(exchange, telegram, bytes)
     if before then follow_command(exchange, before, telegram) end
@@ -5362,6 +5372,20 @@ do
     return record
   end
 
+  local NO_STEP = {}
+
+  -- What few services need of the first pass: that of a telegram (place 0), or an element of a list. `whose` is a
+  -- record or an exchange.
+  function S.step(whose, place)
+    return whose.steps and whose.steps[place] or NO_STEP
+  end
+
+  function S.make_step(whose, place)
+    whose.steps = whose.steps or {}
+    whose.steps[place] = whose.steps[place] or {}
+    return whose.steps[place]
+  end
+
   -- Whether a reaction has its command's addresses swapped: then its sender really sent it.
   function S.is_swapped(record, telegram)
     local exchange = record.exchange
@@ -5369,9 +5393,31 @@ do
     return exchange and exchange.from ~= exchange.from.stream.from[S.direction(telegram)]
   end
 
+  -- A request again, because there was no good reaction to the one before: it is the same step of a transfer, and
+  -- writes the same.
+  local function take_over(exchange, request, same, before)
+    local place = request.place or 0
+    local step = S.step(same, place)
+
+    if exchange.repeat_of or step.is_to_be_repeated then
+      if step.transfer and not S.step(exchange, place).transfer then
+        S.make_step(exchange, place).transfer = step.transfer
+      end
+      request.written = request.written or before.written
+    end
+    if request.list and before.list then take_over(exchange, request.list, same, before.list) end
+    if request.next and before.next then take_over(exchange, request.next, same, before.next) end
+  end
+
   -- Keeps what a command asks for, once.
   function S.exchange_keep(exchange, request)
-    exchange.request = exchange.request or request
+    local same = exchange.from.same
+
+    if exchange.request then return end
+    exchange.request = request
+    if same and same.request and (exchange.repeat_of or exchange.is_step_again) then
+      take_over(exchange, request, same, same.request)
+    end
   end
 
   local function add_frame(tree, tvb, which, frame)
@@ -5533,16 +5579,19 @@ do
   local SERVICE_CHANNEL_BUSY = 0x8001 -- the command was not executed, and must be repeated
   local PARAMETER_OCCUPIED = 0x800C
   local CANCELLED = 0x800B -- another request had priority: the transfer has ended
+  local TELEGRAM_ERROR = 0xF0 -- and above
   local INVALID_SEQUENTIAL_TELEGRAM = 0xF8
   local LENGTH_WORDS = 4 -- bytes of a list: actual and maximum length
 
   local WHOLE = "Data of all pieces"
   local SEQUENCE = {all = F.sequence, piece = F.sequence_piece, count = F.sequence_count, length = F.sequence_length}
 
-  -- A transfer: {service, element, device, ident, begun_in, last_in: the latest piece, damaged_count: of its bus, then,
-  -- is_broken: a piece may be missing, and the pieces are no longer put together, pieces: {frame, length}, whole_in,
-  -- bytes: of the whole, received: bytes, announced: bytes, by the length words of a list (nil: nothing was),
-  -- length_words: as they stand, is_refused: with 0xF8, so that it begins anew or goes on, is_begun_anew}. A record
+  -- A transfer: {service, is_in_list: of elements of service 0x04, element, device, ident, segment, exchange: that
+  -- began it, begun_in, last_in: the latest piece, damaged_count: of its bus, then, is_broken: a piece may be missing,
+  -- and the pieces are no longer put together, pieces: {frame, length}, whole_in, bytes: of the whole, received: bytes,
+  -- announced: bytes, by the length words of a list (nil: nothing was), length_words: as they stand, cancelled_in: a
+  -- command since the latest piece, without a reaction yet, is_refused: with 0xF8, so that it begins anew or goes on,
+  -- is_doubtful: a cancel had no reaction, and nothing tells whether it began anew or went on, is_begun_anew}. A step
   -- keeps the one that it is a piece of.
 
   -- Useful data, or data reassembled from pieces: {tvb, offset, length, bytes}. A whole has its tvb only with a tree.
@@ -5561,34 +5610,66 @@ do
     return exchange.from.transfers
   end
 
+  -- An element of a list and a telegram are never steps of one transfer: between its telegrams, the service stays the
+  -- same (0xF8, fig. 2-18).
   local function is_same_transfer(a, b)
     return a.service == b.service
+      and a.is_in_list == b.is_in_list
       and a.element == b.element
       and a.ident == b.ident
       and a.device == b.device
       and a.segment == b.segment
   end
 
-  -- Its index among the transfers under way; nil if it has ended.
+  -- nil if it is not under way.
   local function find_transfer(exchange, like)
-    for i, transfer in ipairs(transfers_of(exchange)) do
+    for _, transfer in ipairs(transfers_of(exchange)) do
       if is_same_transfer(transfer, like) then
-        return i, transfer
+        return transfer
       end
     end
   end
 
-  local function note_end(record, transfer, reason)
-    if transfer.is_refused then return end -- already reported
-    record.transfer_ended = transfer.begun_in
-    record.transfer_reason = reason
+  -- Whether the same data are under way in telegrams, if these are in a list, or the other way round.
+  local function is_under_way_apart(exchange, like)
+    like.is_in_list = not like.is_in_list
+    local is_apart = find_transfer(exchange, like) ~= nil
+
+    like.is_in_list = not like.is_in_list
+    return is_apart
   end
 
-  local function end_with_note(record, place, reason)
-    local transfers = transfers_of(record.exchange)
+  -- Puts another transfer in the place of this one; nil: none.
+  local function replace(transfers, transfer, other)
+    for place, open in ipairs(transfers) do
+      if open == transfer then
+        if other then transfers[place] = other else table.remove(transfers, place) end
+        return
+      end
+    end
+  end
 
-    note_end(record, transfers[place], reason)
-    table.remove(transfers, place)
+  local function end_transfer(transfer)
+    replace(transfers_of(transfer.exchange), transfer, nil)
+    replace(transfer.exchange.from.stream.bus.open, transfer, nil)
+  end
+
+  local function note_end(body, transfer, reason)
+    if transfer.is_refused then return end -- already reported
+    local step = S.make_step(body.record, body.element)
+
+    step.ended = step.ended or {}
+    table.insert(step.ended, 1, {begun_in = transfer.begun_in, reason = reason})
+  end
+
+  local function end_with_note(body, transfer, reason)
+    note_end(body, transfer, reason)
+    end_transfer(transfer)
+  end
+
+  -- The place of a command in its list, 0 without a list.
+  local function command_place(body)
+    return body.is_reaction and (body.asked and body.asked.place or 0) or body.element
   end
 
   -- A step seen before: the same command again, or its reaction again.
@@ -5596,7 +5677,17 @@ do
     local record, exchange = body.record, body.record.exchange
 
     if body.is_reaction then return record.reaction_before ~= nil or exchange.is_kept_reaction_seen end
-    return exchange.repeat_of ~= nil or exchange.is_step_again
+    local same = exchange.is_step_again and exchange.from.same
+
+    return exchange.repeat_of ~= nil or same and S.step(same, body.element).is_to_be_repeated
+  end
+
+  -- The transfer of the same step before; nil: none.
+  local function transfer_before(body)
+    local exchange = body.record.exchange
+    local before = body.is_reaction and exchange or exchange.from.same
+
+    return before and S.step(before, command_place(body)).transfer
   end
 
   local function damaged_since(transfer, exchange)
@@ -5646,6 +5737,8 @@ do
 
     return {
       service = like.service,
+      is_in_list = like.is_in_list,
+      exchange = like.exchange or body.record.exchange,
       element = like.element,
       device = like.device,
       ident = like.ident,
@@ -5660,64 +5753,98 @@ do
     }
   end
 
-  -- After 0xF8 a transfer restarts with its length words, or continues. The announced length decides whether it can
-  -- continue. If neither fits, pieces are missing.
-  local function follow_refusal(transfer, body, is_last)
+  -- After 0xF8, or a cancel without a reaction, a transfer restarts with its length words, or continues. The announced
+  -- length decides whether it can continue. If neither fits, pieces are missing.
+  local function follow_break(transfer, body, is_last)
     local bytes, begun = S.data(body).bytes, transfer
     local received = transfer.received + #bytes
 
-    transfer.is_refused = nil
-    if #bytes >= LENGTH_WORDS and sub(bytes, 1, LENGTH_WORDS) == transfer.length_words then
+    if not transfer.announced then
+      transfer.is_doubtful = true
+    elseif #bytes >= LENGTH_WORDS and sub(bytes, 1, LENGTH_WORDS) == transfer.length_words then
+      note_end(body, transfer, "cancelled")
       begun = begin_transfer(body, transfer)
       begun.is_begun_anew = true
     elseif is_last and received ~= transfer.announced or received > transfer.announced then
       begun = begin_transfer(body, transfer)
       begun.is_broken = true
+      begun.is_begun_anew = transfer.is_begun_anew
     end
+    begun.is_doubtful = transfer.is_doubtful
+    begun.is_refused, begun.cancelled_in = nil, nil
+    replace(transfers_of(transfer.exchange), transfer, begun)
+    replace(transfer.exchange.from.stream.bus.open, transfer, begun)
     return begun
+  end
+
+  -- Appends a transfer to the lists. Their length is limited, so the oldest may be dropped.
+  local function open_transfer(body, like)
+    local exchange = body.record.exchange
+    local open = exchange.from.stream.bus.open
+
+    if #open >= K.MOST_OPEN then end_with_note(body, open[1], "too many others have begun since") end
+    local transfer = begin_transfer(body, like)
+
+    table.insert(open, transfer)
+    table.insert(transfers_of(exchange), transfer)
+    return transfer
+  end
+
+  -- The transfer of a new piece; nil: it has none, because it is the only piece.
+  local function transfer_for(body, like, is_last)
+    local exchange = body.record.exchange
+    local transfer = find_transfer(exchange, like)
+
+    if transfer then
+      local is_open = transfer.is_refused or transfer.cancelled_in
+
+      return is_open and follow_break(transfer, body, is_last) or transfer
+    end
+    local is_apart = is_under_way_apart(exchange, like)
+
+    if is_last and not is_apart then return nil end
+    transfer = open_transfer(body, like)
+    transfer.is_broken = is_apart or nil -- it may be a later piece of those
+    return transfer
+  end
+
+  -- A step again adds nothing to its transfer, which may be over.
+  local function note_repeated(body, like)
+    local transfer = find_transfer(body.record.exchange, like)
+    local of = transfer or transfer_before(body)
+
+    effects = effects + 1
+    if not of then return end
+    local step = S.make_step(body.record, body.element)
+
+    step.transfer, step.is_piece_repeated = of, true
+    step.is_piece_missing = transfer and transfer.is_broken
+    step.is_doubtful = transfer and transfer.is_doubtful
   end
 
   -- The transfer of these data; decided once, in the order of the capture.
   local function place_piece(body, like, is_last)
-    local record, frame = body.record, packet.number
-    local exchange = record.exchange
-    local place, transfer = find_transfer(exchange, like)
+    local exchange, frame = body.record.exchange, packet.number
+    local transfer = transfer_for(body, like, is_last)
 
     effects = effects + 1
-    record.is_piece_repeated = is_taken_before(body)
-    if not transfer and (is_last or record.is_piece_repeated) then
-      record.transfer = record.is_piece_repeated and exchange.transfer or nil -- of a transfer that has ended
-      return
-    end
-    if not transfer then
-      if #transfers_of(exchange) >= K.MOST_OPEN then
-        end_with_note(record, 1, "too many others have begun since")
-      end
-      transfer = begin_transfer(body, like)
-      place = #transfers_of(exchange) + 1
-    elseif transfer.is_refused and not record.is_piece_repeated then
-      transfer = follow_refusal(transfer, body, is_last)
-    end
-    transfers_of(exchange)[place] = transfer
-    record.transfer, exchange.transfer = transfer, transfer
-    if not record.is_piece_repeated and (is_piece_missing(body, transfer)
-      or transfer.received + S.left(body) > K.MOST_LIST + LENGTH_WORDS or #transfer.pieces == K.MOST_PIECES) then
+    if not transfer then return end
+    S.make_step(exchange, command_place(body)).transfer = transfer
+    if is_piece_missing(body, transfer)
+      or transfer.received + S.left(body) > K.MOST_LIST + LENGTH_WORDS or #transfer.pieces == K.MOST_PIECES then
       transfer.is_broken = true
-    end
-    record.is_piece_missing = transfer.is_broken
-    if record.is_piece_repeated then
-      return
     end
     transfer.last_in = frame
     transfer.damaged_count = exchange.from.stream.bus.damaged_count
     transfer.received = transfer.received + S.left(body)
-    record.is_begun_anew = is_last and transfer.is_begun_anew
-    if not transfer.is_broken then
-      add_piece(transfer, frame, S.data(body).bytes, is_last)
-    end
-    if is_last then
-      table.remove(transfers_of(exchange), place)
-    end
+    local step = S.make_step(body.record, body.element)
+
+    step.transfer = transfer
+    step.is_piece_missing = transfer.is_broken
+    step.is_doubtful = transfer.is_doubtful
+    step.is_begun_anew = is_last and transfer.is_begun_anew
+    if not transfer.is_broken then add_piece(transfer, frame, S.data(body).bytes, is_last) end
+    if is_last then end_transfer(transfer) end
   end
 
   local function show_piece(tree, tvb, which, piece, offset)
@@ -5752,7 +5879,7 @@ do
 
   -- The data of a restarted transfer, compared with its announced length.
   local function check_announced(body, bytes)
-    if not body.record.is_begun_anew or #bytes < LENGTH_WORDS then return end
+    if not S.step(body.record, body.element).is_begun_anew or #bytes < LENGTH_WORDS then return end
     local announced = S.little_endian(bytes, 1, 2) + LENGTH_WORDS
 
     if announced ~= #bytes then
@@ -5761,14 +5888,17 @@ do
   end
 
   local function put_together(body, is_last)
-    local record = body.record
-    local transfer = record.transfer
+    local step = S.step(body.record, body.element)
+    local transfer = step.transfer
 
     body.item = body.root
-    if record.is_piece_missing then
+    if step.is_piece_missing then
       S.mark(body, E.sequence_piece_missing, "a piece may be missing")
     end
-    if record.is_piece_missing or record.is_piece_repeated or not transfer.whole_in then
+    if step.is_doubtful then
+      S.mark(body, E.body_note, "a cancel had no reaction: it is not known whether the transfer goes on")
+    end
+    if step.is_piece_missing or step.is_piece_repeated or not transfer.whole_in then
       return nil
     end
     if not is_last then
@@ -5785,61 +5915,113 @@ do
     return data
   end
 
+  -- Of an element of a list, or of a list as a whole.
+  local function is_in_list(body)
+    return body.element ~= 0 or body.service == K.LIST_SERVICE
+  end
+
   local function make_like(body, ident, element, device)
     local segment = body.asked and body.asked.segment or 0 -- of a list, as asked for
 
-    return {service = body.service, element = element, device = device, ident = ident, segment = segment}
+    return {
+      service = body.service,
+      is_in_list = is_in_list(body),
+      element = element,
+      device = device,
+      ident = ident,
+      segment = segment,
+    }
   end
 
-  local function is_outside(body)
-    return body.is_nested or not body.record or not body.record.exchange
+  -- What a command asks for, as a transfer. Without an ident it is like none.
+  local function transfer_of(asked, is_listed)
+    return {
+      service = asked.service,
+      is_in_list = is_listed,
+      element = asked.element,
+      device = asked.device or 0,
+      ident = asked.ident,
+      segment = asked.segment or 0,
+    }
+  end
+
+  local function has_exchange(body)
+    return body.record and body.record.exchange
   end
 
   -- Whether a transfer of this parameter is under way: then its last piece may be empty.
   function S.is_sequence_open(body, ident, element, device)
-    if is_outside(body) or not ident then
-      return false
+    if not has_exchange(body) or not ident then return false end
+    if packet.visited then return S.is_piece(body) end
+    local exchange, like = body.record.exchange, make_like(body, ident, element, device)
+
+    return find_transfer(exchange, like) ~= nil or is_under_way_apart(exchange, like)
+  end
+
+  -- First pass: the step of these data. Most have nothing before or after them.
+  local function find_step(body, ident, element, device, is_last)
+    if is_taken_before(body) then
+      note_repeated(body, make_like(body, ident, element, device))
+    elseif not is_last or next(transfers_of(body.record.exchange)) then
+      place_piece(body, make_like(body, ident, element, device), is_last)
     end
-    if packet.visited then
-      return body.record.transfer ~= nil
-    end
-    return find_transfer(body.record.exchange, make_like(body, ident, element, device)) ~= nil
   end
 
   -- The data of a telegram that reads or writes a parameter, from body.offset to its end. `is_last` comes from its
   -- parameter control. Adds what is known of the transfer. Returns the whole data with the last piece, nil with
   -- another one, and the data themselves without a transfer.
   function S.sequence_data(body, ident, element, device, is_last)
-    local record = body.record
-
-    if is_outside(body) then
-      return is_last and S.data(body) or nil
-    end
-    local is_alone = is_last and not next(transfers_of(record.exchange)) and not is_taken_before(body) -- as most are
-
-    if not packet.visited and not is_alone then
-      place_piece(body, make_like(body, ident, element, device), is_last)
-    end
-    if record.transfer then
-      return put_together(body, is_last)
-    end
-    return S.data(body)
+    if has_exchange(body) and not packet.visited then find_step(body, ident, element, device, is_last) end
+    if S.is_piece(body) then return put_together(body, is_last) end
+    return is_last and S.data(body) or nil
   end
 
   -- Whether these data are a piece.
   function S.is_piece(body)
-    return body.record ~= nil and body.record.transfer ~= nil
+    return body.record ~= nil and S.step(body.record, body.element).transfer ~= nil
+  end
+
+  -- Whether it is not known if their transfer went on: then the whole may be none.
+  function S.is_doubtful(body)
+    return body.record ~= nil and S.step(body.record, body.element).is_doubtful
+  end
+
+  -- The command that is answered has to come again, or `is_so` is false.
+  local function set_to_be_repeated(body, asked, is_so)
+    local exchange = body.record.exchange
+
+    if is_so then
+      effects = effects + 1
+      exchange.is_to_be_repeated = true
+      S.make_step(exchange, asked.place or 0).is_to_be_repeated = true
+    elseif exchange.steps then
+      S.make_step(exchange, asked.place or 0).is_to_be_repeated = nil
+    end
   end
 
   -- A list with an announced length may continue after 0xF8, or restart.
-  local function refuse(record, place, transfer, status)
-    if status ~= INVALID_SEQUENTIAL_TELEGRAM or not transfer.announced then
-      end_with_note(record, place, "refused")
+  local function refuse(body, transfer, asked)
+    if body.status ~= INVALID_SEQUENTIAL_TELEGRAM or not transfer.announced then
+      end_with_note(body, transfer, "refused")
       return
     end
-    note_end(record, transfer, "refused")
+    note_end(body, transfer, "refused")
     transfer.is_refused = true
-    record.exchange.is_to_be_repeated = true
+    set_to_be_repeated(body, asked, true)
+  end
+
+  -- Whether a cancel reaches the station of another command of the same master: only the master that transfers
+  -- cancels (chapter 4). 254 reaches all of one level, 255 lower levels, too (fig. 2-9). Where the members of a group
+  -- are is not known.
+  local function reaches(cancel, other)
+    local command, path, routers = cancel.from.telegram, other.from.path, #cancel.from.path - 1
+
+    if command.is_answered then return cancel.from == other.from end
+    if command.sender ~= other.from.telegram.sender or #path <= routers
+      or sub(path, 1, routers) ~= sub(cancel.from.path, 1, routers) then
+      return false
+    end
+    return S.receiver_kind(byte(cancel.from.path, -1)) ~= K.LEVEL_BROADCAST or #path == routers + 1
   end
 
   -- Device and service may be missing; one byte alone may be either (chapter 4).
@@ -5855,13 +6037,58 @@ do
     return true
   end
 
-  -- The entries for which `is_over` is true.
-  local function end_transfers(record, reason, is_over)
-    local transfers, place = transfers_of(record.exchange), 1
+  -- A broadcast is not answered: each station obeys. A command to one station, or a group, leaves it open. After a
+  -- telegram error it was not executed (chapter 2.3).
+  local function cancel_transfer(body, transfer)
+    local exchange = body.record.exchange
+    local kind = S.receiver_kind(byte(exchange.from.path, -1))
+    local is_broadcast = kind == K.LEVEL_BROADCAST or kind == K.GLOBAL_BROADCAST
+
+    if body.is_reaction and body.status == 0 or not body.is_reaction and is_broadcast then
+      end_with_note(body, transfer, "cancelled")
+    elseif not body.is_reaction then
+      transfer.cancelled_in = transfer.cancelled_in or exchange.command_in
+    elseif body.status >= TELEGRAM_ERROR and transfer.cancelled_in == exchange.command_in then
+      transfer.cancelled_in = nil
+    end
+  end
+
+  local function watch_cancel(body, cancel)
+    local exchange = body.record.exchange
+    local open, place = exchange.from.stream.bus.open, 1
+
+    effects = effects + 1
+    while open[place] do
+      local transfer = open[place]
+
+      if reaches(exchange, transfer.exchange) and is_cancelled(cancel, transfer) then
+        cancel_transfer(body, transfer)
+      end
+      if open[place] == transfer then place = place + 1 end
+    end
+  end
+
+  -- Whether the list that is answered has a step of this transfer.
+  local function is_step_in_list(body, transfer)
+    local asked = body.element ~= 0 and body.record.exchange.request.list or nil
+
+    while asked do
+      if is_same_transfer(transfer_of(asked, true), transfer) then return true end
+      asked = asked.next
+    end
+    return false
+  end
+
+  -- A device has one transfer at a time: a successful access to another parameter has ended the first. Those of one
+  -- list go on together: the station executes all of it (chapter 7).
+  local function end_others(body, like)
+    local transfers, place = transfers_of(body.record.exchange), 1
 
     while transfers[place] do
-      if is_over(transfers[place]) then
-        end_with_note(record, place, reason)
+      local other = transfers[place]
+
+      if other.device == like.device and not is_same_transfer(other, like) and not is_step_in_list(body, other) then
+        end_with_note(body, other, "another access to the device came between")
       else
         place = place + 1
       end
@@ -5878,56 +6105,68 @@ do
       or (status >= 0xF1 and status <= 0xF4)
   end
 
-  local function watch_reaction(body)
-    local record, asked = body.record, body.asked
-    local like = make_like(body, asked.ident, asked.element, asked.device or 0) -- without an ident like none
-    local place, transfer = find_transfer(record.exchange, like)
+  local function watch_access(body, asked)
+    local like = transfer_of(asked, is_in_list(body))
+    local transfer = find_transfer(body.record.exchange, like)
+    local is_repeat = is_to_be_repeated(body)
 
-    if is_to_be_repeated(body) then
-      effects = effects + 1
-      record.exchange.is_to_be_repeated = true
-    elseif body.status == 0 then
-      -- A device has one transfer at a time: a successful access to another parameter has ended the first.
-      end_transfers(record, "another access to the device came between", function(other)
-        return other.device == like.device and not is_same_transfer(other, like)
-      end)
-    elseif transfer then
-      refuse(record, place, transfer, body.status)
+    set_to_be_repeated(body, asked, is_repeat)
+    if body.status == 0 then
+      end_others(body, like)
+    elseif transfer and not is_repeat then
+      refuse(body, transfer, asked)
+    end
+  end
+
+  -- The reaction to a service, or to a list that was refused with it.
+  local function watch_reaction(body, asked)
+    if asked.service == K.CANCEL_SERVICE then
+      watch_cancel(body, asked)
+    elseif S.has_control_byte(asked.service)
+      and (body.status ~= 0 or next(transfers_of(body.record.exchange)) or body.record.exchange.steps) then
+      watch_access(body, asked)
     end
   end
 
   local function watch(body)
-    if not body.is_reaction or not body.asked then
-      return
+    local is_without_elements = body.status >= TELEGRAM_ERROR or body.error ~= 0
+
+    if not body.is_reaction and body.service == K.CANCEL_SERVICE then watch_cancel(body, body.request) end
+    if not body.is_reaction or not body.asked then return end
+    if body.service ~= K.LIST_SERVICE then
+      watch_reaction(body, body.asked)
+    elseif is_without_elements then
+      local asked = body.asked.list
+
+      while asked do
+        watch_reaction(body, asked)
+        asked = asked.next
+      end
     end
-    if body.status == 0 and #transfers_of(body.record.exchange) == 0 then
-      return
-    end
-    if body.service == 0x01 and body.status == 0 then
-      end_transfers(body.record, "cancelled", function(transfer)
-        return is_cancelled(body.asked, transfer)
-      end)
-    elseif S.has_control_byte(body.service) then
-      watch_reaction(body)
+  end
+
+  -- The latest first, as they were noted.
+  local function show_ended(body, ended)
+    local reason
+
+    body.item = body.root
+    for _, transfer in ipairs(ended) do
+      set_generated(add(body.tree, F.sequence_begun_in, body.tvb, 0, 0, transfer.begun_in))
+      if transfer.reason ~= reason then
+        S.mark(body, E.sequence_ended, "transfer ended unfinished: %s", transfer.reason)
+      end
+      reason = transfer.reason
     end
   end
 
   -- A good telegram that may end a transfer: cancelled, refused, or superseded by another parameter of the same
   -- device.
   function S.sequence_watch(body)
-    local record = body.record
+    if not has_exchange(body) then return end
+    if not packet.visited then watch(body) end
+    local ended = S.step(body.record, body.element).ended
 
-    if is_outside(body) then
-      return
-    end
-    if not packet.visited then
-      watch(body)
-    end
-    if record.transfer_ended then
-      body.item = body.root
-      set_generated(add(body.tree, F.sequence_begun_in, body.tvb, 0, 0, record.transfer_ended))
-      S.mark(body, E.sequence_ended, "transfer ended unfinished: %s", record.transfer_reason)
-    end
+    if ended then show_ended(body, ended) end
   end
 end
 
@@ -6878,14 +7117,6 @@ do
     if S.is_access_wanted(body.tree) and is_known(body) then note(body, false, nil, data and data.bytes) end
   end
 
-  -- What the command wrote, or the first of identical commands: a repeated piece adds nothing.
-  local function written_data(body)
-    local first = body.record.exchange.first
-
-    if body.asked.written or not first or not first.request or body.is_nested then return body.asked.written end
-    return first.request.written
-  end
-
   local function error_text(body)
     if not body.error_text then return body.status_text end
     return strformat("0x%04x %s", body.error, body.error_text)
@@ -6897,7 +7128,7 @@ do
     if body.status ~= 0 then
       note(body, is_write, error_text(body), nil)
     elseif body.asked.is_last then
-      note(body, true, nil, written_data(body))
+      note(body, true, nil, body.asked.written)
     end
   end
 end

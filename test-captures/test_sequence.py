@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from sistap.wireshark.tshark import Tshark
 from tables import HERE, Table, check, shown
 
 FIELDS = "data value sequence.piece sequence.length sequence.whole_in"
+LIST_FIELDS = f"{FIELDS} sequence.begun_in phase.switch_in phase.switch_time"
 EXPERTS = "sequence.ended sequence.piece_missing"
 
 SEQUENCES: Table = {
@@ -154,6 +156,98 @@ SEQUENCES_APART: Table = {
 }
 
 
+# Chapters 7.1 (only 0x04 itself is not in a list), 8.2 and 8.7 (bit 2 of the parameter control), 4 and fig. 2-3 (cancel).
+LISTS: Table = {
+    # Read in two lists
+    2: "data=0102; sequence.whole_in=4",
+    4: "data=0304,01020304; sequence.piece=2,4; sequence.length=4",
+    # Written in two lists
+    6: "data=01001500",
+    7: "data=01000200; sequence.whole_in=9",
+    9: "data=04000900,0100020004000900; sequence.piece=7,9; sequence.length=8; value=1,2,4,9",
+    # Two devices in one list; the second has one piece more
+    12: "data=4142,6162; sequence.whole_in=14,16",
+    14: "data=4344,41424344,6364; sequence.piece=12,14; sequence.length=4; sequence.whole_in=16",
+    16: "data=6566,616263646566; sequence.piece=12,14,16; sequence.length=6",
+    # Two parameters of one device in one list
+    18: "data=4142,6162; sequence.whole_in=20,20",
+    20: "data=4344,41424344,6364,61626364; sequence.piece=18,20,18,20; sequence.length=4,4",
+    # One parameter twice in one list
+    22: "data=4142,4344,41424344; sequence.piece=22,22; sequence.length=4; sequence.whole_in=22",
+    # A list again, because no reaction came
+    23: "data=6162; sequence.whole_in=26",
+    24: "data=6162",
+    26: "data=6364,61626364; sequence.piece=23,26; sequence.length=4",
+    27: "data=6364",
+    # One element is refused because the channel is busy
+    29: "data=6162; sequence.whole_in=33",
+    31: "data=6162",
+    33: "data=6364,61626364; sequence.piece=29,33; sequence.length=4",
+    # An element fails, the other goes on
+    36: "data=4142,6162; sequence.whole_in=38",
+    38: "data=6364,61626364; sequence.piece=36,38; sequence.length=4; sequence.begun_in=36; sequence.ended",
+    40: "data=78",
+    # The whole list is refused because it was damaged
+    41: "data=6162; sequence.whole_in=45",
+    43: "data=6162",
+    45: "data=6364,61626364; sequence.piece=41,45; sequence.length=4",
+    # Begun in a telegram, then in a list
+    48: "data=4142",
+    50: "data=4344; sequence.piece_missing; sequence.begun_in=48; sequence.ended",
+    # The other way round; refused, and the list goes on
+    52: "data=4142; sequence.whole_in=56",
+    56: "data=4344,41424344; sequence.piece=52,56; sequence.length=4",
+    # Cancelled in a list
+    58: "data=4142",
+    60: "sequence.begun_in=58; sequence.ended",
+    62: "data=4344",
+    # Cancelled at all stations, by master 16
+    64: "data=4142",
+    66: "data=6162",
+    68: "data=4142; sequence.whole_in=73",
+    69: "sequence.begun_in=66,64; sequence.ended",
+    71: "data=4344",
+    73: "data=4344,41424344; sequence.piece=68,73; sequence.length=4",
+    # 254 on the level of router 3, then on that behind it, then 255
+    75: "data=4142; sequence.whole_in=78",
+    78: "data=4344,41424344; sequence.piece=75,78; sequence.length=4",
+    80: "data=4142",
+    81: "sequence.begun_in=80; sequence.ended",
+    83: "data=4344",
+    84: "sequence.begun_in=83; sequence.ended",
+    86: "data=4546",
+    # A cancel without a reaction: the pieces are there, but they are no value
+    88: "data=4142; sequence.whole_in=91",
+    91: "data=4344,41424344; sequence.piece=88,91; sequence.length=4; body.note",
+    # The announced length tells that it went on
+    93: "data=040004004142; sequence.whole_in=96",
+    96: "data=4344,0400040041424344; sequence.piece=93,96; sequence.length=8",
+    # Its length words again tell that it began anew
+    98: "data=040004004142",
+    101: "data=040004006162; sequence.whole_in=103; sequence.begun_in=98; sequence.ended",
+    103: "data=6364,0400040061626364; sequence.piece=101,103; sequence.length=8",
+    # A cancel that was not executed
+    105: "data=4142; sequence.whole_in=109",
+    109: "data=4344,41424344; sequence.piece=105,109; sequence.length=4",
+    # A cancel to a group
+    111: "data=4142; sequence.whole_in=116",
+    114: "data=4344; sequence.whole_in=116; body.note",
+    116: "data=4546,414243444546; sequence.piece=111,114,116; sequence.length=6; body.note",
+    # A cancel in a list, answered the second time
+    118: "data=4142",
+    121: "sequence.begun_in=118; sequence.ended",
+    123: "data=4344",
+    # A phase switch and its polls: 25 + 11 + 25 + 9 + 25 + 12 + 25 + 9 + 25 ms, those without point times 1.145833
+    127: "phase.switch_in=124",
+    129: "phase.switch_in=124; phase.switch_time=0.171979153",
+    # 25 + 8 + 25 + 9 + 25 ms
+    133: "phase.switch_in=130; phase.switch_time=0.094479161",
+}
+
+# The values that are read and written; none where a piece may be missing, or belongs to another transfer.
+LIST_ACCESSES = {4: "01020304", 10: "0100020004000900", 14: "41424344", 28: "61626364", 34: "61626364", 50: None, 91: None}
+
+
 def test_sequences(tshark: Tshark) -> None:
     check(tshark, "sequences", FIELDS, EXPERTS, SEQUENCES)
 
@@ -164,6 +258,17 @@ def test_sequences_repeated(tshark: Tshark) -> None:
 
 def test_sequences_apart(tshark: Tshark) -> None:
     check(tshark, "sequences-apart", FIELDS, EXPERTS, SEQUENCES_APART)
+
+
+def test_lists(tshark: Tshark) -> None:
+    check(tshark, "lists", LIST_FIELDS, f"{EXPERTS} body.note", LISTS)
+
+
+def test_values_from_lists(tshark: Tshark) -> None:
+    for passes in ((), ("-2",)):
+        frames = shown(tshark, HERE / "lists.pcapng", "access", *passes)
+        for number, data in LIST_ACCESSES.items():
+            assert json.loads(frames[number]["access"]).get("data") == data
 
 
 LONGEST = 65_535

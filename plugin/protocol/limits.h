@@ -10,7 +10,7 @@
  * items, and a tap's queue holds 5,000. */
 #define SIS_MOST_DISSECTED 32768
 
-/* Transfers from one station to another; a device has one at a time. */
+/* Transfers under way on one line; a device has one at a time. */
 #define SIS_MOST_OPEN 256
 
 /* Pieces of a transfer: 64 KB in pieces of 8 bytes. Wireshark searches all of them for each. */

@@ -189,21 +189,10 @@ sis_note_read(sis_body_t *body, tvbuff_t *data)
         note(body, false, NULL, data);
 }
 
-/* What the command wrote, or the first of identical commands: a repeated piece adds nothing. */
-static const sis_request_t *
-find_written(const sis_body_t *body)
-{
-    const sis_exchange_t *first = body->record->exchange->first;
-
-    if (body->asked->written == NULL && first != NULL && first->request != NULL && !body->is_nested)
-        return first->request;
-    return body->asked;
-}
-
 static tvbuff_t *
 written_data(const sis_body_t *body)
 {
-    const sis_request_t *request = find_written(body);
+    const sis_request_t *request = body->asked;
 
     if (request->written == NULL)
         return NULL;

@@ -16,22 +16,25 @@ typedef struct {
     proto_item *item; /* of the last field read */
     unsigned offset;  /* of the first byte not read yet */
     unsigned end;     /* of the available useful data */
+    unsigned element; /* its number in a list, from 1; 0: the service of the telegram */
     bool is_cut;      /* the telegram is not whole: the header's note says so, so a missing field has none */
     bool is_short;    /* a field that was read had too few bytes; then nothing more is read */
-    bool is_nested;   /* an element of service 0x04 */
     bool is_reaction;
     uint8_t service;
     uint8_t status; /* of a reaction */
     const char *status_text;
     uint32_t error; /* the code, 0: none */
     const char *error_text;
-    const sis_error_t *errors;  /* of the elements of service 0x04, the last first */
-    bool is_explained;          /* an error code was shown, so the text of the status is not repeated */
-    wmem_strbuf_t *summary;     /* for the packet list, after the service's name */
-    wmem_strbuf_t *marks;       /* and what is wrong, after that */
-    sis_request_t *request;     /* of a command: filled in while reading */
-    const sis_request_t *asked; /* as the exchange keeps it; NULL if unknown */
-    sis_record_t *record;       /* of the whole telegram; NULL for a damaged one */
+    const sis_error_t *errors; /* of the elements of service 0x04, the last first */
+    bool is_explained;         /* an error code was shown, so the text of the status is not repeated */
+    wmem_strbuf_t *summary;    /* for the packet list, after the service's name */
+    wmem_strbuf_t *marks;      /* and what is wrong, after that */
+    sis_request_t *request;    /* of a command: filled in while reading */
+    sis_request_t *asked;      /* as the exchange keeps it; NULL if unknown */
+    /* First pass, of a command: the same of the command before, if that had the same bytes; NULL: it had not.
+     */
+    const sis_request_t *before;
+    sis_record_t *record; /* of the whole telegram; NULL for a damaged one */
 } sis_body_t;
 
 /* Whether that many bytes are left for a field; if not, adds a note once per body. */

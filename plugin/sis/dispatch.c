@@ -8,9 +8,6 @@
 #include "sis/sequence.h"
 #include "sis/services/services.h"
 
-#define LIST_SERVICE  0x04
-#define TOKEN_PASSING 0x0F
-
 static void dissect_list(sis_body_t *body);
 
 typedef void (*body_dissector_t)(sis_body_t *body);
@@ -81,7 +78,7 @@ dissect_undocumented(sis_body_t *body)
         return;
     if (sis_take_rest(body, hf_sis_raw))
         sis_mark(body, &ei_sis_body_note, "no document says what is in it");
-    else if (body->service < TOKEN_PASSING && !body->is_cut)
+    else if (body->service < SIS_TOKEN_PASSING && !body->is_cut)
         sis_mark(body, &ei_sis_body_note, "no document defines this service");
 }
 
@@ -176,10 +173,11 @@ add_error(sis_body_t *list, const sis_body_t *element)
 
 /* The elements of a command that no element of the reaction has answered yet. */
 typedef struct {
-    const sis_request_t *next;
-    bool is_each_answered; /* there are as many in the reaction */
-    bool is_one_missing;   /* there are fewer */
-    bool is_one_unknown;   /* an element of the reaction may have failed, or has */
+    sis_request_t *next;
+    const sis_request_t *before; /* of a command: the next element of the same list before */
+    bool is_each_answered;       /* there are as many in the reaction */
+    bool is_one_missing;         /* there are fewer */
+    bool is_one_unknown;         /* an element of the reaction may have failed, or has */
 } commands_t;
 
 /* Whether an element of a reaction, `length` bytes after its service, may answer this command: as whole
@@ -200,8 +198,8 @@ is_answer_to(const sis_request_t *command, const sis_body_t *list, uint8_t servi
     return sis_may_answer_subservice(service, command->subservice, second);
 }
 
-static const sis_request_t *
-find_command(const sis_request_t *from, const sis_body_t *list, uint8_t service, unsigned length)
+static sis_request_t *
+find_command(sis_request_t *from, const sis_body_t *list, uint8_t service, unsigned length)
 {
     while (from != NULL && !is_answer_to(from, list, service, length))
         from = from->next;
@@ -211,11 +209,13 @@ find_command(const sis_request_t *from, const sis_body_t *list, uint8_t service,
 /* What the exchange keeps for an element; of a command, in the second pass, it is the next one. No document
  * says whether a station may leave elements out. If it did, an element that fits two commands belongs to
  * neither. */
-static const sis_request_t *
+static sis_request_t *
 take_command(commands_t *commands, const sis_body_t *list, uint8_t service, unsigned length)
 {
-    const sis_request_t *command = commands->next;
+    sis_request_t *command = commands->next;
 
+    if (commands->before != NULL)
+        commands->before = commands->before->next;
     if (list->is_reaction)
         command = find_command(command, list, service, length);
     if (command == NULL)
@@ -229,10 +229,11 @@ take_command(commands_t *commands, const sis_body_t *list, uint8_t service, unsi
 
 /* The body of an element, `length` bytes after its service, as if it were alone in a telegram. */
 static void
-dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsigned length,
+dissect_element_body(sis_body_t *list, proto_item *root, unsigned number, uint8_t service, unsigned length,
                      commands_t *commands)
 {
     wmem_allocator_t *pool = list->pinfo->pool;
+    const sis_request_t *before = commands->before;
     sis_body_t element = {.telegram = list->telegram,
                           .tvb = list->tvb,
                           .pinfo = list->pinfo,
@@ -241,13 +242,14 @@ dissect_element_body(sis_body_t *list, proto_item *root, uint8_t service, unsign
                           .item = root,
                           .offset = list->offset,
                           .end = list->offset + length,
+                          .element = number,
                           .is_cut = list->is_cut && list->offset + length == list->end,
-                          .is_nested = true,
                           .is_reaction = list->is_reaction,
                           .service = service,
                           .record = list->record,
                           .summary = wmem_strbuf_new(pool, sis_service_name(pool, service)),
                           .marks = wmem_strbuf_new(pool, ""),
+                          .before = before,
                           .asked = take_command(commands, list, service, length)};
 
     if (list->is_reaction && list->asked != NULL && element.asked == NULL) {
@@ -281,8 +283,8 @@ show_recursion(sis_body_t *list, unsigned length, commands_t *commands)
     sis_request_t *request = wmem_new0(list->pinfo->pool, sis_request_t);
 
     commands->is_one_unknown = true;
-    take_command(commands, list, LIST_SERVICE, length);
-    request->service = LIST_SERVICE;
+    take_command(commands, list, SIS_LIST, length);
+    request->service = SIS_LIST;
     add_request(list, request);
     sis_mark(list, &ei_sis_list_recursion, "a list in a list");
     if (length > 0)
@@ -307,10 +309,10 @@ dissect_element(sis_body_t *list, unsigned number, commands_t *commands)
     } else if (sis_take(list, hf_sis_service, 1, &service)) {
         if (length + 1 > there && !list->is_cut)
             sis_mark(list, &ei_sis_body_missing, "an element is cut");
-        if (service == LIST_SERVICE)
+        if (service == SIS_LIST)
             show_recursion(list, end - 2, commands);
         else
-            dissect_element_body(list, root, (uint8_t)service, end - 2, commands);
+            dissect_element_body(list, root, number, (uint8_t)service, end - 2, commands);
         list->offset += end - 2;
     }
     list->tree = outer;
@@ -320,7 +322,8 @@ dissect_element(sis_body_t *list, unsigned number, commands_t *commands)
 static commands_t
 commands_of(const sis_body_t *list)
 {
-    commands_t commands = {.next = list->asked != NULL ? list->asked->list : NULL};
+    commands_t commands = {.next = list->asked != NULL ? list->asked->list : NULL,
+                           .before = list->before != NULL ? list->before->list : NULL};
     const sis_request_t *command = commands.next;
     unsigned at = list->offset;
 

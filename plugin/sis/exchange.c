@@ -121,7 +121,7 @@ is_equal(tvbuff_t *tvb, unsigned offset, const uint8_t *bytes, unsigned length)
  * reaction the slave has kept. Another step of a long read has the same bytes, too, but a reaction in
  * between. */
 static void
-find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direction, tvbuff_t *tvb,
+find_repeat(sis_exchange_t *exchange, sis_stream_t *stream, unsigned direction, tvbuff_t *tvb,
             const sis_telegram_t *telegram)
 {
     sis_exchange_t *before = stream->from[direction].last;
@@ -130,17 +130,13 @@ find_repeat(sis_exchange_t *exchange, const sis_stream_t *stream, unsigned direc
     if (before == NULL || stream->from[direction].length != length ||
         !is_equal(tvb, 0, stream->from[direction].bytes, length))
         return;
+    stream->from[direction].same = before->request;
     exchange->is_reaction_kept = telegram->number > 0;
     exchange->is_kept_reaction_seen = exchange->is_reaction_kept && before->reaction_in != 0;
-    if (before->is_to_be_repeated) {
-        exchange->is_step_again = true;
-        exchange->transfer = before->transfer;
-    }
     if (before->reaction_in != 0 && !exchange->is_reaction_kept)
         return;
     exchange->first = before->first != NULL ? before->first : before;
     before->again = exchange;
-    exchange->transfer = before->transfer;
 }
 
 static sis_routing_t *
@@ -233,6 +229,7 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
             ? (uint32_t)MIN(telegram->times.end - telegram->times.end_earliest, UINT32_MAX)
             : UINT32_MAX;
     exchange->wait = -1;
+    stream->from[direction].same = NULL;
     exchange->needs_reaction =
         sis_is_answered(telegram->last_address) && telegram->service != SIS_TOKEN_PASSING;
     if (exchange->needs_reaction)
@@ -429,6 +426,31 @@ sis_make_rare(sis_record_t *record)
     return record->rare;
 }
 
+const sis_step_t *
+sis_step(const sis_record_t *record, unsigned element)
+{
+    static const sis_step_t none;
+    const sis_step_t *step = sis_rare(record)->steps;
+
+    while (step != NULL && step->element != element)
+        step = step->next;
+    return step != NULL ? step : &none;
+}
+
+sis_step_t *
+sis_make_step(sis_record_t *record, unsigned element)
+{
+    sis_step_t **link = &sis_make_rare(record)->steps;
+
+    while (*link != NULL && (*link)->element != element)
+        link = &(*link)->next;
+    if (*link == NULL) {
+        *link = wmem_new0(wmem_file_scope(), sis_step_t);
+        (*link)->element = element;
+    }
+    return *link;
+}
+
 bool
 sis_exchange_is_swapped(const sis_record_t *record, const sis_telegram_t *telegram)
 {
@@ -436,16 +458,38 @@ sis_exchange_is_swapped(const sis_record_t *record, const sis_telegram_t *telegr
            command_direction(telegram) != record->exchange->direction;
 }
 
+const sis_request_t *
+sis_exchange_same(const sis_exchange_t *exchange)
+{
+    return exchange->stream->from[exchange->direction].same;
+}
+
+/* A request again, because there was no good reaction to the one before: it is the same step of a transfer,
+ * and writes the same. */
+static void
+take_over(sis_request_t *request, const sis_request_t *before)
+{
+    if (request->transfer == 0)
+        request->transfer = before->transfer;
+    if (request->written == NULL) {
+        request->written = before->written;
+        request->written_length = before->written_length;
+    }
+}
+
+/* `before` is the same of the command before; NULL: none. */
 static sis_request_t *
-copy_request(const sis_request_t *request)
+copy_request(const sis_request_t *request, const sis_request_t *before, bool is_repeat)
 {
     sis_request_t *copy;
 
     if (request == NULL)
         return NULL;
     copy = wmem_memdup(wmem_file_scope(), request, sizeof *request);
-    copy->list = copy_request(request->list);
-    copy->next = copy_request(request->next);
+    if (before != NULL && (is_repeat || before->is_to_be_repeated))
+        take_over(copy, before);
+    copy->list = copy_request(request->list, before != NULL ? before->list : NULL, is_repeat);
+    copy->next = copy_request(request->next, before != NULL ? before->next : NULL, is_repeat);
     return copy;
 }
 
@@ -453,7 +497,7 @@ void
 sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request)
 {
     if (exchange->request == NULL)
-        exchange->request = copy_request(request);
+        exchange->request = copy_request(request, sis_exchange_same(exchange), exchange->first != NULL);
 }
 
 static void

@@ -15,13 +15,14 @@ typedef struct sis_request {
     uint8_t element;
     uint8_t device;
     uint8_t phase;
-    bool has_device;
-    bool has_subservice; /* of 0x01: the service to cancel */
-    bool is_ambiguous;   /* of 0x01: whether subservice is that, or the device */
-    bool has_ident;
-    bool has_address;
-    bool has_setting; /* of 0x03: complete data of the subservice */
-    bool is_last;     /* of a parameter: no more pieces follow */
+    bool has_device : 1;
+    bool has_subservice : 1; /* of 0x01: the service to cancel */
+    bool is_ambiguous : 1;   /* of 0x01: whether subservice is that, or the device */
+    bool has_ident : 1;
+    bool has_address : 1;
+    bool has_setting : 1;       /* of 0x03: complete data of the subservice */
+    bool is_last : 1;           /* of a parameter: no more pieces follow */
+    bool is_to_be_repeated : 1; /* its reaction refuses it, and the same will come again */
     uint16_t test_ms;
     sis_ident_t ident;
     uint32_t address; /* of the memory */
@@ -32,6 +33,7 @@ typedef struct sis_request {
     const struct sis_twin *twin; /* the same of a device of its type; NULL: nothing */
     const uint8_t *written;      /* all data of a parameter, in file scope; NULL: not written, or unknown */
     unsigned written_length;
+    uint32_t transfer;        /* of sequential telegrams, this is a step of it; 0: none */
     struct sis_request *next; /* of the following element of service 0x04 */
     struct sis_request *list; /* of the first element of service 0x04, or the next subservice of 0x03 */
 } sis_request_t;
@@ -57,6 +59,7 @@ typedef struct sis_bus {
     struct sis_learned *learned; /* learned.c */
     struct sis_told *told;       /* bus.c */
     struct sis_cycles *cycles;   /* timing.c */
+    wmem_list_t *open;           /* sequence.c */
 } sis_bus_t;
 
 /* Data of commands through routers only. */
@@ -83,7 +86,6 @@ typedef struct sis_exchange {
     uint32_t gave_up;          /* the master's command before, unanswered until now; 0: none */
     uint32_t command_duration; /* ns */
     uint32_t command_spread;   /* ns: so much earlier its last character can have come; UINT32_MAX: unknown */
-    uint32_t transfer;         /* of sequential telegrams, this is a step of it */
     uint8_t path[8];           /* from the receiver through subaddresses to the addressed station */
     uint8_t path_length;
     uint8_t station;         /* the final receiver */
@@ -96,23 +98,34 @@ typedef struct sis_exchange {
     bool is_reaction_kept; /* its telegram number is that of the command before: the slave sends what it sent
                               then */
     bool is_kept_reaction_seen;
-    bool is_to_be_repeated; /* its reaction refuses it */
-    bool is_step_again;     /* of a transfer: the same bytes, after such a reaction */
 } sis_exchange_t;
 
 /* A transfer of sequential telegrams that ended before its last piece. */
-typedef struct {
+typedef struct sis_ended {
+    const struct sis_ended *next; /* that ended at the same step */
     uint32_t begun_in;
     const char *reason;
 } sis_ended_t;
 
+/* The results of the first pass that few services have: that of a telegram, or of an element of a list. */
+typedef struct sis_step {
+    struct sis_step *next;            /* of the same telegram */
+    const sis_ended_t *ended;         /* the transfers that this ended, unfinished; NULL: none */
+    const sis_switch_t *phase_switch; /* the switch that this polls; NULL: none */
+    unsigned element;                 /* its number in the list; 0: the service of the telegram */
+    uint32_t transfer;                /* number of the transfer that this is a piece of; 0: none */
+    bool is_piece_repeated;
+    bool is_piece_missing;
+    bool is_doubtful;   /* whether the transfer went on */
+    bool is_begun_anew; /* the transfer of this last piece, after a refused one */
+    bool is_switch_end; /* it ended here, successfully or not */
+} sis_step_t;
+
 /* The results of the first pass that few telegrams have. */
 typedef struct {
-    const sis_ended_t *ended;         /* the transfer that this telegram ended, unfinished; NULL: none */
-    const sis_switch_t *phase_switch; /* the switch that this polls; NULL: none */
-    struct sis_cycle *cycle;          /* of the master control word; NULL: none */
-    uint32_t routed_from;             /* of a reaction: the one from one level below */
-    bool is_switch_end;               /* it ended here, successfully or not */
+    sis_step_t *steps;
+    struct sis_cycle *cycle; /* of the master control word; NULL: none */
+    uint32_t routed_from;    /* of a reaction: the one from one level below */
 } sis_rare_t;
 
 /* The results of the first pass for one telegram. A capture has millions, so what few have is elsewhere. */
@@ -122,13 +135,9 @@ typedef struct sis_record {
     const struct sis_settings *settings; /* valid for this telegram; NULL: none */
     sis_rare_t *rare;                    /* NULL: none of them; see sis_rare() */
     uint32_t reaction_before;            /* the command had been answered already, in this packet */
-    uint32_t transfer;                   /* number of the transfer that this is a piece of; 0: none */
     float load;                          /* percent; negative: not known */
     uint8_t service;                     /* identifies the telegram in later passes */
-    bool is_reaction : 1;
-    bool is_piece_repeated : 1;
-    bool is_piece_missing : 1;
-    bool is_begun_anew : 1; /* the transfer of this last piece, after a refused one */
+    bool is_reaction;
 } sis_record_t;
 
 _Static_assert(sizeof(sis_record_t) <= 48, "one byte more costs 16 bytes a telegram");
@@ -152,6 +161,8 @@ typedef struct sis_stream {
         sis_exchange_t *last; /* command; NULL: none yet */
         uint8_t *bytes;       /* of that command */
         unsigned length;
+        const sis_request_t
+            *same; /* of the command before that, if it had the same bytes; NULL: it had not */
         sis_switch_t phase_switch;
         struct sis_transfer *transfers; /* of sequential telegrams, under way */
     } from[2];
@@ -165,12 +176,20 @@ sis_record_t *sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_tel
 const sis_rare_t *sis_rare(const sis_record_t *record);
 sis_rare_t *sis_make_rare(sis_record_t *record);
 
+/* The same of a service of the telegram, by its element. */
+const sis_step_t *sis_step(const sis_record_t *record, unsigned element);
+sis_step_t *sis_make_step(sis_record_t *record, unsigned element);
+
 /* The same exchange one level above and one level below, if there are routers; NULL: none is known. */
 sis_exchange_t *sis_exchange_above(const sis_exchange_t *exchange);
 sis_exchange_t *sis_exchange_below(const sis_exchange_t *exchange);
 
 /* Whether a reaction has its command's addresses swapped: then its sender really sent it. */
 bool sis_exchange_is_swapped(const sis_record_t *record, const sis_telegram_t *telegram);
+
+/* What the command before this one asked for, if it had the same bytes: while this one is dissected for the
+ * first time. NULL: it had not. */
+const sis_request_t *sis_exchange_same(const sis_exchange_t *exchange);
 
 /* Keeps what a command asks for, once. */
 void sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request);

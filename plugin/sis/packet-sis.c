@@ -267,6 +267,7 @@ dissect_useful_data(const dissection_t *d)
                        .marks = d->marks,
                        .request = telegram->is_reaction ? NULL : &request,
                        .asked = exchange != NULL ? exchange->request : NULL,
+                       .before = exchange != NULL ? sis_exchange_same(exchange) : NULL,
                        .record = telegram->is_good ? record : NULL};
 
     sis_timing_note(record, telegram, d->pinfo);

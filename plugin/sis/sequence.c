@@ -5,6 +5,7 @@
 
 #include "items.h"
 #include "protocol/limits.h"
+#include "sis/address.h"
 #include "sis/names.h"
 #include "sis/pieces.h"
 
@@ -12,14 +13,18 @@
 #define PARAMETER_OCCUPIED   0x800C
 #define CANCELLED            0x800B /* another request had priority: the transfer has ended */
 
+#define TELEGRAM_ERROR              0xF0 /* and above */
 #define INVALID_SEQUENTIAL_TELEGRAM 0xF8
 
 #define LENGTH_WORDS 4u /* of a list: actual and maximum length, two bytes each */
 
 /* A transfer under way, from one station to another. */
 typedef struct sis_transfer {
-    struct sis_transfer *next;
+    struct sis_transfer *next;      /* between the same stations */
+    wmem_list_frame_t *place;       /* among all of the bus */
+    const sis_exchange_t *exchange; /* that began it */
     uint8_t service;
+    bool is_in_list; /* of elements of service 0x04 */
     sis_subject_t subject;
     uint32_t number;
     uint32_t begun_in;
@@ -29,8 +34,10 @@ typedef struct sis_transfer {
     uint32_t pieces;        /* reassembled so far */
     uint32_t announced;     /* bytes, by the length words of a list; 0: unknown */
     uint32_t length_words;  /* as they are, if a length is known */
+    uint32_t cancelled_in;  /* a command since the latest piece, without a reaction yet; 0: none */
     bool is_broken;         /* a piece may be missing: reassembly has ended */
     bool is_refused;        /* after 0xF8: it restarts or continues */
+    bool is_doubtful; /* a cancel had no reaction, and nothing tells whether it restarted or continued */
     bool is_begun_anew;
 } transfer_t;
 
@@ -40,14 +47,25 @@ transfers_of(const sis_exchange_t *exchange)
     return &exchange->stream->from[exchange->direction].transfers;
 }
 
+/* All that are under way on a bus, the oldest first. */
+static wmem_list_t *
+open_on(sis_bus_t *bus)
+{
+    if (bus->open == NULL)
+        bus->open = wmem_list_new(wmem_file_scope());
+    return bus->open;
+}
+
+/* An element of a list and a telegram are never steps of one transfer: between its telegrams, the service
+ * stays the same (0xF8, fig. 2-18). */
 static bool
 is_same_transfer(const transfer_t *a, const transfer_t *b)
 {
     const sis_subject_t *one = &a->subject, *other = &b->subject;
 
-    return a->service == b->service && one->element == other->element && one->device == other->device &&
-           one->ident.type == other->ident.type && one->ident.number == other->ident.number &&
-           one->segment == other->segment;
+    return a->service == b->service && a->is_in_list == b->is_in_list && one->element == other->element &&
+           one->device == other->device && one->ident.type == other->ident.type &&
+           one->ident.number == other->ident.number && one->segment == other->segment;
 }
 
 /* The link to this transfer; the end of the list if it is not under way. */
@@ -61,60 +79,86 @@ find_transfer(const sis_exchange_t *exchange, const transfer_t *like)
     return link;
 }
 
-static void
-end_transfer(transfer_t **link)
+/* Whether the same data are under way in telegrams, if these are in a list, or the other way round. */
+static bool
+is_under_way_apart(const sis_exchange_t *exchange, const transfer_t *like)
 {
-    transfer_t *transfer = *link;
+    transfer_t apart = *like;
 
+    apart.is_in_list = !apart.is_in_list;
+    return *find_transfer(exchange, &apart) != NULL;
+}
+
+static void
+end_transfer(transfer_t *transfer)
+{
+    transfer_t **link = transfers_of(transfer->exchange);
+
+    while (*link != transfer)
+        link = &(*link)->next;
     *link = transfer->next;
+    wmem_list_remove_frame(open_on(transfer->exchange->stream->bus), transfer->place);
     wmem_free(wmem_file_scope(), transfer);
 }
 
 static void
-note_end(sis_record_t *record, const transfer_t *transfer, const char *reason)
+note_end(const sis_body_t *body, const transfer_t *transfer, const char *reason)
 {
+    sis_step_t *step;
     sis_ended_t *ended;
 
     if (transfer->is_refused) /* already reported */
         return;
+    step = sis_make_step(body->record, body->element);
     ended = wmem_new(wmem_file_scope(), sis_ended_t);
-    *ended = (sis_ended_t){transfer->begun_in, reason};
-    sis_make_rare(record)->ended = ended;
+    *ended = (sis_ended_t){step->ended, transfer->begun_in, reason};
+    step->ended = ended;
 }
 
 static void
-end_with_note(sis_record_t *record, transfer_t **link, const char *reason)
+end_with_note(const sis_body_t *body, transfer_t *transfer, const char *reason)
 {
-    note_end(record, *link, reason);
-    end_transfer(link);
+    note_end(body, transfer, reason);
+    end_transfer(transfer);
 }
 
-/* Appends a transfer to the list. The length is limited, so the oldest may be dropped. */
+/* Appends a transfer to the lists. Their length is limited, so the oldest may be dropped. */
 static transfer_t *
-open_transfer(sis_record_t *record, const transfer_t *like)
+open_transfer(const sis_body_t *body, const transfer_t *like)
 {
-    transfer_t **link = transfers_of(record->exchange), *transfer;
-    unsigned count = 0;
+    const sis_exchange_t *exchange = body->record->exchange;
+    wmem_list_t *open = open_on(exchange->stream->bus);
+    transfer_t **link, *transfer;
 
-    for (transfer_t *open = *link; open != NULL; open = open->next)
-        count++;
-    if (count >= SIS_MOST_OPEN)
-        end_with_note(record, link, "too many others have begun since");
-    while (*link != NULL)
-        link = &(*link)->next;
+    if (wmem_list_count(open) >= SIS_MOST_OPEN)
+        end_with_note(body, wmem_list_frame_data(wmem_list_head(open)), "too many others have begun since");
+    for (link = transfers_of(exchange); *link != NULL; link = &(*link)->next)
+        ;
     transfer = *link = wmem_memdup(wmem_file_scope(), like, sizeof *like);
+    transfer->exchange = exchange;
+    wmem_list_append(open, transfer);
+    transfer->place = wmem_list_tail(open);
     return transfer;
 }
 
 /* A step seen before: the same command again, or its reaction again. */
 static bool
-is_taken_before(const sis_record_t *record)
+is_taken_before(const sis_body_t *body)
 {
-    const sis_exchange_t *exchange = record->exchange;
+    const sis_record_t *record = body->record;
 
-    if (record->is_reaction)
-        return record->reaction_before != 0 || exchange->is_kept_reaction_seen;
-    return exchange->first != NULL || exchange->is_step_again;
+    if (body->is_reaction)
+        return record->reaction_before != 0 || record->exchange->is_kept_reaction_seen;
+    return record->exchange->first != NULL || (body->before != NULL && body->before->is_to_be_repeated);
+}
+
+/* The transfer of the same step before; 0: none. */
+static uint32_t
+transfer_before(const sis_body_t *body)
+{
+    const sis_request_t *before = body->is_reaction ? body->asked : body->before;
+
+    return before != NULL ? before->transfer : 0;
 }
 
 static unsigned
@@ -164,58 +208,93 @@ begin_transfer(transfer_t *transfer, const sis_body_t *body)
     transfer->is_broken = false;
 }
 
-/* After 0xF8 a transfer restarts with its length words, or continues. The announced length decides whether
- * it can continue. If neither fits, pieces are missing. */
+/* After 0xF8, or a cancel without a reaction, a transfer restarts with its length words, or continues. The
+ * announced length decides whether it can continue. If neither fits, pieces are missing. */
 static void
-follow_refusal(transfer_t *transfer, const sis_body_t *body, bool is_last)
+follow_break(transfer_t *transfer, const sis_body_t *body, bool is_last)
 {
     unsigned length = sis_left(body), received = transfer->received + length;
 
-    transfer->is_refused = false;
-    if (length >= LENGTH_WORDS && tvb_get_letohl(body->tvb, body->offset) == transfer->length_words) {
+    if (transfer->announced == 0) {
+        transfer->is_doubtful = true;
+    } else if (length >= LENGTH_WORDS && tvb_get_letohl(body->tvb, body->offset) == transfer->length_words) {
+        note_end(body, transfer, "cancelled");
         begin_transfer(transfer, body);
         transfer->is_begun_anew = true;
     } else if (is_last ? received != transfer->announced : received > transfer->announced) {
         begin_transfer(transfer, body);
         transfer->is_broken = true;
     }
+    transfer->is_refused = false;
+    transfer->cancelled_in = 0;
+}
+
+/* The transfer of a new piece; NULL: it has none, because it is the only piece. */
+static transfer_t *
+transfer_for(const sis_body_t *body, const transfer_t *like, bool is_last)
+{
+    const sis_exchange_t *exchange = body->record->exchange;
+    transfer_t *transfer = *find_transfer(exchange, like);
+    bool is_apart;
+
+    if (transfer != NULL) {
+        if (transfer->is_refused || transfer->cancelled_in != 0)
+            follow_break(transfer, body, is_last);
+        return transfer;
+    }
+    is_apart = is_under_way_apart(exchange, like);
+    if (is_last && !is_apart)
+        return NULL;
+    transfer = open_transfer(body, like);
+    begin_transfer(transfer, body);
+    transfer->is_broken = is_apart; /* it may be a later piece of those */
+    return transfer;
+}
+
+/* A step again adds nothing to its transfer, which may be over. */
+static void
+note_repeated(const sis_body_t *body, const transfer_t *like)
+{
+    const transfer_t *transfer = *find_transfer(body->record->exchange, like);
+    uint32_t number = transfer != NULL ? transfer->number : transfer_before(body);
+    sis_step_t *step;
+
+    if (number == 0)
+        return;
+    step = sis_make_step(body->record, body->element);
+    step->transfer = number;
+    step->is_piece_repeated = true;
+    step->is_piece_missing = transfer != NULL && transfer->is_broken;
+    step->is_doubtful = transfer != NULL && transfer->is_doubtful;
 }
 
 /* The transfer of these data; decided once, in the order of the capture. Returns the number of the piece. */
 static unsigned
 place_piece(const sis_body_t *body, const transfer_t *like, bool is_last)
 {
-    sis_record_t *record = body->record;
-    sis_exchange_t *exchange = record->exchange;
-    transfer_t *transfer = *find_transfer(exchange, like);
+    const sis_exchange_t *exchange = body->record->exchange;
+    transfer_t *transfer = transfer_for(body, like, is_last);
+    sis_step_t *step;
     unsigned number;
 
-    record->is_piece_repeated = is_taken_before(record);
-    if (transfer == NULL && (is_last || record->is_piece_repeated)) {
-        record->transfer = record->is_piece_repeated ? exchange->transfer : 0; /* of one that is over */
+    if (transfer == NULL)
         return 0;
-    }
-    if (transfer == NULL) {
-        transfer = open_transfer(record, like);
-        begin_transfer(transfer, body);
-    } else if (transfer->is_refused && !record->is_piece_repeated) {
-        follow_refusal(transfer, body, is_last);
-    }
-    record->transfer = exchange->transfer = transfer->number;
-    if (!record->is_piece_repeated && (is_piece_missing(record, transfer) ||
-                                       transfer->received + sis_left(body) > SIS_MOST_LIST + LENGTH_WORDS ||
-                                       transfer->pieces == SIS_MOST_PIECES))
+    (body->is_reaction ? body->asked : body->request)->transfer = transfer->number;
+    if (is_piece_missing(body->record, transfer) ||
+        transfer->received + sis_left(body) > SIS_MOST_LIST + LENGTH_WORDS ||
+        transfer->pieces == SIS_MOST_PIECES)
         transfer->is_broken = true;
-    record->is_piece_missing = transfer->is_broken;
-    if (record->is_piece_repeated)
-        return 0;
     transfer->last_in = body->pinfo->num;
     transfer->damaged_count = exchange->stream->bus->damaged_count;
     transfer->received += sis_left(body);
-    record->is_begun_anew = is_last && transfer->is_begun_anew;
     number = transfer->pieces++;
+    step = sis_make_step(body->record, body->element);
+    step->transfer = transfer->number;
+    step->is_piece_missing = transfer->is_broken;
+    step->is_doubtful = transfer->is_doubtful;
+    step->is_begun_anew = is_last && transfer->is_begun_anew;
     if (is_last)
-        end_transfer(find_transfer(exchange, like));
+        end_transfer(transfer);
     return number;
 }
 
@@ -225,7 +304,7 @@ check_announced(sis_body_t *body, tvbuff_t *whole)
 {
     unsigned length = tvb_captured_length(whole), announced;
 
-    if (!body->record->is_begun_anew || length < LENGTH_WORDS)
+    if (!sis_step(body->record, body->element)->is_begun_anew || length < LENGTH_WORDS)
         return;
     announced = tvb_get_letohs(whole, 0) + LENGTH_WORDS;
     if (announced != length)
@@ -236,66 +315,125 @@ check_announced(sis_body_t *body, tvbuff_t *whole)
 static tvbuff_t *
 put_together(sis_body_t *body, tvbuff_t *piece, unsigned number, bool is_last)
 {
-    const sis_record_t *record = body->record;
+    const sis_step_t *step = sis_step(body->record, body->element);
     tvbuff_t *whole;
 
     body->item = body->root;
-    if (record->is_piece_missing)
+    if (step->is_piece_missing)
         sis_mark(body, &ei_sis_sequence_piece_missing, "a piece may be missing");
-    if (record->is_piece_missing || record->is_piece_repeated)
+    if (step->is_doubtful)
+        sis_mark(body, &ei_sis_body_note,
+                 "a cancel had no reaction: it is not known whether the transfer goes on");
+    if (step->is_piece_missing || step->is_piece_repeated)
         return NULL;
-    whole = sis_put_together(SIS_PIECES_OF_SIS, body->tree, body->pinfo, piece, record->transfer, number,
-                             is_last);
+    whole =
+        sis_put_together(SIS_PIECES_OF_SIS, body->tree, body->pinfo, piece, step->transfer, number, is_last);
     if (whole != NULL)
         check_announced(body, whole);
     return whole;
 }
 
+static bool
+has_exchange(const sis_body_t *body)
+{
+    return body->record != NULL && body->record->exchange != NULL;
+}
+
+/* Of an element of a list, or of a list as a whole. */
+static bool
+is_in_list(const sis_body_t *body)
+{
+    return body->element != 0 || body->service == SIS_LIST;
+}
+
 bool
 sis_is_sequence_open(const sis_body_t *body, const sis_subject_t *subject)
 {
-    transfer_t like = {.service = body->service, .subject = *subject};
-    const sis_record_t *record = body->record;
+    transfer_t like = {.service = body->service, .is_in_list = is_in_list(body), .subject = *subject};
+    const sis_exchange_t *exchange;
 
-    if (body->is_nested || record == NULL || record->exchange == NULL)
+    if (!has_exchange(body))
         return false;
-    return body->pinfo->fd->visited ? record->transfer != 0 : *find_transfer(record->exchange, &like) != NULL;
+    if (body->pinfo->fd->visited)
+        return sis_is_piece(body);
+    exchange = body->record->exchange;
+    return *find_transfer(exchange, &like) != NULL || is_under_way_apart(exchange, &like);
 }
 
 tvbuff_t *
 sis_sequence_data(sis_body_t *body, const sis_subject_t *subject, bool is_last)
 {
-    sis_record_t *record = body->record;
     tvbuff_t *alone = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
+    transfer_t like = {.service = body->service, .is_in_list = is_in_list(body), .subject = *subject};
     unsigned number = 0;
 
-    if (body->is_nested || record == NULL || record->exchange == NULL)
-        return is_last ? alone : NULL;
-    if (!body->pinfo->fd->visited) {
-        transfer_t like = {.service = body->service, .subject = *subject};
-
-        number = place_piece(body, &like, is_last);
+    if (has_exchange(body) && !body->pinfo->fd->visited) {
+        if (is_taken_before(body))
+            note_repeated(body, &like);
+        else
+            number = place_piece(body, &like, is_last);
     }
-    return record->transfer != 0 ? put_together(body, alone, number, is_last) : alone;
+    if (sis_is_piece(body))
+        return put_together(body, alone, number, is_last);
+    return is_last ? alone : NULL;
 }
 
 bool
 sis_is_piece(const sis_body_t *body)
 {
-    return body->record != NULL && body->record->transfer != 0;
+    return body->record != NULL && sis_step(body->record, body->element)->transfer != 0;
+}
+
+bool
+sis_is_doubtful(const sis_body_t *body)
+{
+    return body->record != NULL && sis_step(body->record, body->element)->is_doubtful;
 }
 
 /* A list with an announced length may continue after 0xF8, or restart. */
 static void
-refuse(sis_record_t *record, transfer_t **link, uint8_t status)
+refuse(const sis_body_t *body, transfer_t *transfer, sis_request_t *asked)
 {
-    if (status != INVALID_SEQUENTIAL_TELEGRAM || (*link)->announced == 0) {
-        end_with_note(record, link, "refused");
+    if (body->status != INVALID_SEQUENTIAL_TELEGRAM || transfer->announced == 0) {
+        end_with_note(body, transfer, "refused");
         return;
     }
-    note_end(record, *link, "refused");
-    (*link)->is_refused = true;
-    record->exchange->is_to_be_repeated = true;
+    note_end(body, transfer, "refused");
+    transfer->is_refused = true;
+    asked->is_to_be_repeated = true;
+}
+
+/* What a command asks for, as a transfer. */
+static transfer_t
+transfer_of(const sis_request_t *asked, bool is_listed)
+{
+    return (transfer_t){.service = asked->service,
+                        .is_in_list = is_listed,
+                        .subject = {asked->ident, asked->element, asked->device, asked->segment}};
+}
+
+static uint8_t
+master_of(const sis_exchange_t *exchange)
+{
+    const sis_stream_key_t *key = &exchange->stream->key;
+
+    return exchange->direction == 0 ? key->low : key->high;
+}
+
+/* Whether a cancel reaches the station of another command of the same master: only the master that transfers
+ * cancels (chapter 4). 254 reaches all of one level, 255 lower levels, too (fig. 2-9). Where the members of a
+ * group are is not known. */
+static bool
+reaches(const sis_exchange_t *cancel, const sis_exchange_t *other)
+{
+    unsigned routers = cancel->path_length - 1u;
+
+    if (sis_is_answered(cancel->station))
+        return cancel->stream == other->stream && cancel->direction == other->direction;
+    if (master_of(cancel) != master_of(other) || other->path_length <= routers ||
+        memcmp(cancel->path, other->path, routers) != 0)
+        return false;
+    return sis_receiver_kind(cancel->station) != SIS_LEVEL_BROADCAST || other->path_length == routers + 1;
 }
 
 /* Device and service may be missing; one byte alone may be either (chapter 4). */
@@ -312,79 +450,137 @@ is_cancelled(const sis_request_t *cancel, const transfer_t *transfer)
     return true;
 }
 
+/* A broadcast is not answered: each station obeys. A command to one station, or a group, leaves it open.
+ * After a telegram error it was not executed (chapter 2.3). */
 static void
-cancel_transfers(sis_record_t *record, const sis_request_t *cancel)
+cancel_transfer(const sis_body_t *body, transfer_t *transfer)
 {
-    transfer_t **link = transfers_of(record->exchange);
+    const sis_exchange_t *exchange = body->record->exchange;
+    sis_address_kind_t kind = sis_receiver_kind(exchange->station);
 
-    while (*link != NULL) {
-        if (is_cancelled(cancel, *link))
-            end_with_note(record, link, "cancelled");
-        else
-            link = &(*link)->next;
-    }
-}
-
-/* A device has one transfer at a time: a successful access to another parameter has ended the first. */
-static void
-end_others(sis_record_t *record, const transfer_t *like)
-{
-    transfer_t **link = transfers_of(record->exchange);
-
-    while (*link != NULL) {
-        if ((*link)->subject.device == like->subject.device && !is_same_transfer(*link, like))
-            end_with_note(record, link, "another access to the device came between");
-        else
-            link = &(*link)->next;
-    }
+    if (body->is_reaction ? body->status == 0 : kind == SIS_LEVEL_BROADCAST || kind == SIS_GLOBAL_BROADCAST)
+        end_with_note(body, transfer, "cancelled");
+    else if (!body->is_reaction && transfer->cancelled_in == 0)
+        transfer->cancelled_in = exchange->command_in;
+    else if (body->status >= TELEGRAM_ERROR && transfer->cancelled_in == exchange->command_in)
+        transfer->cancelled_in = 0;
 }
 
 static void
-watch_reaction(const sis_body_t *body)
+watch_cancel(const sis_body_t *body, const sis_request_t *cancel)
 {
-    sis_record_t *record = body->record;
-    const sis_request_t *asked = body->asked;
-    transfer_t like = {.service = body->service,
-                       .subject = {asked->ident, asked->element, asked->device, asked->segment}};
-    transfer_t **link = find_transfer(record->exchange, &like);
+    const sis_exchange_t *exchange = body->record->exchange;
+    wmem_list_frame_t *frame = wmem_list_head(open_on(exchange->stream->bus));
+
+    while (frame != NULL) {
+        transfer_t *transfer = wmem_list_frame_data(frame);
+
+        frame = wmem_list_frame_next(frame);
+        if (reaches(exchange, transfer->exchange) && is_cancelled(cancel, transfer))
+            cancel_transfer(body, transfer);
+    }
+}
+
+/* Whether the list that is answered has a step of this transfer. */
+static bool
+is_step_in_list(const sis_body_t *body, const transfer_t *transfer)
+{
+    const sis_request_t *asked = body->element != 0 ? body->record->exchange->request->list : NULL;
+
+    while (asked != NULL) {
+        transfer_t like = transfer_of(asked, true);
+
+        if (is_same_transfer(&like, transfer))
+            return true;
+        asked = asked->next;
+    }
+    return false;
+}
+
+/* A device has one transfer at a time: a successful access to another parameter has ended the first. Those of
+ * one list go on together: the station executes all of it (chapter 7). */
+static void
+end_others(const sis_body_t *body, const transfer_t *like)
+{
+    transfer_t *next;
+
+    for (transfer_t *transfer = *transfers_of(body->record->exchange); transfer != NULL; transfer = next) {
+        next = transfer->next;
+        if (transfer->subject.device == like->subject.device && !is_same_transfer(transfer, like) &&
+            !is_step_in_list(body, transfer))
+            end_with_note(body, transfer, "another access to the device came between");
+    }
+}
+
+static void
+watch_access(const sis_body_t *body, sis_request_t *asked)
+{
+    transfer_t like = transfer_of(asked, is_in_list(body));
+    transfer_t *transfer = *find_transfer(body->record->exchange, &like);
     /* Not executed, because the channel was busy or the command was damaged (0xF1, 0xF2, 0xF4): it will be
      * repeated. */
     bool is_to_be_repeated = (body->status == 0x02 && body->error != CANCELLED) ||
                              body->error == SERVICE_CHANNEL_BUSY || body->error == PARAMETER_OCCUPIED ||
                              (body->status >= 0xF1 && body->status <= 0xF4);
 
-    record->exchange->is_to_be_repeated = is_to_be_repeated;
+    asked->is_to_be_repeated = is_to_be_repeated;
     if (body->status == 0)
-        end_others(record, &like);
-    else if (*link != NULL && !is_to_be_repeated)
-        refuse(record, link, body->status);
+        end_others(body, &like);
+    else if (transfer != NULL && !is_to_be_repeated)
+        refuse(body, transfer, asked);
+}
+
+/* The reaction to a service, or to a list that was refused with it. */
+static void
+watch_reaction(const sis_body_t *body, sis_request_t *asked)
+{
+    if (asked->service == SIS_CANCEL)
+        watch_cancel(body, asked);
+    else if (sis_has_control_byte(asked->service))
+        watch_access(body, asked);
 }
 
 static void
 watch(const sis_body_t *body)
 {
+    bool is_without_elements = body->status >= TELEGRAM_ERROR || body->error != 0;
+
+    if (!body->is_reaction && body->service == SIS_CANCEL)
+        watch_cancel(body, body->request);
     if (!body->is_reaction || body->asked == NULL)
         return;
-    if (body->service == 0x01 && body->status == 0)
-        cancel_transfers(body->record, body->asked);
-    else if (sis_has_control_byte(body->service))
-        watch_reaction(body);
+    if (body->service != SIS_LIST)
+        watch_reaction(body, body->asked);
+    for (sis_request_t *asked = body->asked->list;
+         body->service == SIS_LIST && is_without_elements && asked != NULL; asked = asked->next)
+        watch_reaction(body, asked);
+}
+
+/* The latest first, as they were noted. */
+static void
+show_ended(sis_body_t *body, const sis_ended_t *ended)
+{
+    const char *reason = NULL;
+
+    body->item = body->root;
+    for (; ended != NULL; ended = ended->next) {
+        add_generated(body->tree, hf_sis_sequence_begun_in, body->tvb, ended->begun_in);
+        if (ended->reason != reason)
+            sis_mark(body, &ei_sis_sequence_ended, "transfer ended unfinished: %s", ended->reason);
+        reason = ended->reason;
+    }
 }
 
 void
 sis_sequence_watch(sis_body_t *body)
 {
-    const sis_record_t *record = body->record;
     const sis_ended_t *ended;
 
-    if (body->is_nested || record == NULL || record->exchange == NULL)
+    if (!has_exchange(body))
         return;
     if (!body->pinfo->fd->visited)
         watch(body);
-    ended = sis_rare(record)->ended;
-    if (ended == NULL)
-        return;
-    body->item = body->root;
-    add_generated(body->tree, hf_sis_sequence_begun_in, body->tvb, ended->begun_in);
-    sis_mark(body, &ei_sis_sequence_ended, "transfer ended unfinished: %s", ended->reason);
+    ended = sis_step(body->record, body->element)->ended;
+    if (ended != NULL)
+        show_ended(body, ended);
 }

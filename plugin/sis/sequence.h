@@ -25,6 +25,9 @@ bool sis_is_sequence_open(const sis_body_t *body, const sis_subject_t *subject);
 /* Whether these data are a piece. */
 bool sis_is_piece(const sis_body_t *body);
 
+/* Whether it is not known if their transfer went on: then the whole may be none. */
+bool sis_is_doubtful(const sis_body_t *body);
+
 /* A good telegram that may end a transfer: cancelled, refused, or superseded by another parameter of the
  * same device. */
 void sis_sequence_watch(sis_body_t *body);

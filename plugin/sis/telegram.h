@@ -10,6 +10,9 @@
 /* Passing on the right to send commands (chapter 2.4); its contents are not specified. */
 #define SIS_TOKEN_PASSING 0x0F
 
+#define SIS_CANCEL 0x01 /* cancel data transmission (chapter 4) */
+#define SIS_LIST   0x04 /* a list of services (chapter 7) */
+
 struct sis_record;
 
 extern int sis_tap; /* receives every sis_telegram_t */

@@ -343,8 +343,13 @@ show_piece(access_t *access, tvbuff_t *whole)
     if (whole == NULL)
         return;
     length = tvb_captured_length(whole);
-    tree = proto_tree_add_subtree_format(body->tree, whole, 0, -1, ett_sis_whole, NULL,
-                                         "Data of all pieces, %u byte%s", length, plurality(length, "", "s"));
+    tree = proto_tree_add_subtree_format(
+        body->tree, whole, 0, -1, ett_sis_whole, NULL, "Data of all pieces%s, %u byte%s",
+        sis_is_doubtful(body) ? " if the transfer went on" : "", length, plurality(length, "", "s"));
+    if (sis_is_doubtful(body)) {
+        proto_tree_add_item(tree, hf_sis_data, whole, 0, -1, ENC_NA);
+        return;
+    }
     show_data(access, tree, whole);
     if (!is_segment(access))
         sis_export_parameter(body, access->ident, (uint8_t)access->device, whole);

@@ -43,14 +43,14 @@ follow_switch(const sis_body_t *body, uint32_t phase)
             stream->idle_in = body->pinfo->num;
     } else if (!is_switch) {
         sis_switch_t *begun = &stream->from[exchange->direction].phase_switch;
-        sis_rare_t *rare;
+        sis_step_t *step;
 
         if (begun->command_in == 0)
             return;
-        rare = sis_make_rare(body->record);
-        rare->phase_switch = wmem_memdup(wmem_file_scope(), begun, sizeof *begun);
-        rare->is_switch_end = body->status != 0 || phase == begun->to;
-        if (rare->is_switch_end)
+        step = sis_make_step(body->record, body->element);
+        step->phase_switch = wmem_memdup(wmem_file_scope(), begun, sizeof *begun);
+        step->is_switch_end = body->status != 0 || phase == begun->to;
+        if (step->is_switch_end)
             begun->command_in = 0;
     }
 }
@@ -58,8 +58,8 @@ follow_switch(const sis_body_t *body, uint32_t phase)
 static void
 show_switch(sis_body_t *body)
 {
-    const sis_rare_t *rare = sis_rare(body->record);
-    const sis_switch_t *begun = rare->phase_switch;
+    const sis_step_t *step = sis_step(body->record, body->element);
+    const sis_switch_t *begun = step->phase_switch;
     int64_t elapsed;
     nstime_t taken;
     const char *words, *text;
@@ -69,7 +69,7 @@ show_switch(sis_body_t *body)
         return;
     item = add_generated(body->tree, hf_sis_phase_switch_in, body->tvb, begun->command_in);
     proto_item_append_text(item, " (to phase %u)", begun->to);
-    if (!rare->is_switch_end) {
+    if (!step->is_switch_end) {
         sis_say(body, ", switching to phase %u", begun->to);
         return;
     }
@@ -106,7 +106,7 @@ dissect_phase_reaction(sis_body_t *body)
         return;
     if (body->status == 0x02)
         sis_take_error(body, sis_errors_phase, NULL);
-    if (body->is_nested || body->record == NULL || body->record->exchange == NULL)
+    if (body->record == NULL || body->record->exchange == NULL)
         return;
     if (!body->pinfo->fd->visited)
         follow_switch(body, phase);
