@@ -1937,6 +1937,8 @@ field("sis.bus.load", "Bus load", ftypes.DOUBLE, base.NONE, nil, 0,
 expert_field("sis.list.recursion", "PROTOCOL", "ERROR", "Service 0x04 must not be in its own list")
 expert_field("sis.command.unanswered", "SEQUENCE", "NOTE", "No reaction before the next command")
 expert_field("sis.reaction.unasked", "SEQUENCE", "NOTE", "The command of this reaction is not known")
+expert_field("sis.reaction.to_damaged", "SEQUENCE", "CHAT",
+  "The answer to a damaged command: right for point to point, on a bus the station is silent")
 expert_field("sis.reaction.again", "SEQUENCE", "NOTE", "The command was answered before")
 expert_field("sis.command.repeat", "SEQUENCE", "NOTE", "The same command again")
 expert_field("sis.body.missing", "PROTOCOL", "WARN", "Useful data are missing")
@@ -5085,6 +5087,7 @@ do
       damaged_count = 0, -- damaged telegrams, and what may have been one
       damaged_in = 0, -- the last of them
       lost_in = 0, -- the last loss of characters
+      damage = {}, -- since its last good telegram: {is_there, command_in, head: of that command}
       open = {}, -- transfers under way, the oldest first (sis/sequence)
       last = {}, -- command of each master
       newest = nil, -- command of all masters
@@ -5145,9 +5148,16 @@ do
     return telegram.sender > telegram.receiver and 1 or 0
   end
 
-  local function note_damaged(bus, number)
+  local function note_damaged(bus, number, telegram)
+    local is_legible = telegram and not telegram.is_reaction and #telegram.bytes >= telegram.body_offset
+
     bus.damaged_in = number
     bus.damaged_count = bus.damaged_count + 1
+    bus.damage = {
+      is_there = true,
+      command_in = is_legible and number or nil,
+      head = is_legible and sub(telegram.bytes, 1, telegram.body_offset) or nil,
+    }
   end
 
   -- A telegram with a damaged length is not a telegram: the tap reports it as other characters.
@@ -5316,14 +5326,42 @@ do
     end
   end
 
+  -- Chapter 2.4: point to point, a slave answers a damaged command, with 0xF1, 0xF2 or 0xF4; on a bus it is silent.
+  local function is_answer_to_damage(bus, telegram)
+    if not bus.damage.is_there or telegram.body_offset >= telegram.declared or not S.has_status(telegram.service) then
+      return false
+    end
+    local status = byte(telegram.bytes, telegram.body_offset + 1)
+
+    return status == 0xF1 or status == 0xF2 or status == 0xF4
+  end
+
+  -- Whether the damaged command has the same service and addresses.
+  local function has_damaged_head(damage, telegram)
+    local layout = K.CONTROL_SUBADDRESSES + K.CONTROL_NUMBER
+
+    return damage.command_in and #damage.head == telegram.body_offset
+      and band(bxor(byte(damage.head, 5), telegram.control), layout) == 0
+      and sub(damage.head, 6) == sub(telegram.bytes, 6, telegram.body_offset)
+  end
+
+  -- Whether the command before went to the point-to-point address, and would fit but for that.
+  local function is_own_number(bus, telegram)
+    local before = bus.last[telegram.sender]
+
+    return before and not before.reaction_in
+      and S.receiver_kind(byte(before.from.path, -1)) == K.POINT_TO_POINT
+      and S.receiver_kind(byte(telegram.path, -1)) == K.STATION
+      and before.from.telegram.service == telegram.service
+  end
+
   local function end_exchange(record, bus, number, telegram)
     local stream, kept = bus.streams[stream_key(telegram)], S.direction(telegram)
 
-    if not stream then return end
     for i = 0, 1 do
-      local from = stream.from[i == 0 and kept or 1 - kept]
+      local from = stream and stream.from[i == 0 and kept or 1 - kept]
 
-      if from.last and is_reaction_to(from, telegram) then
+      if from and from.last and is_reaction_to(from, telegram) then
         if not is_over(from.last) then
           answer(record, from.last, number, telegram)
           return
@@ -5331,6 +5369,17 @@ do
         bus.damaged_count = bus.damaged_count + 1 -- its contents are lost to others, as if it were damaged, too
       end
     end
+    if is_answer_to_damage(bus, telegram) then
+      record.origin = "damaged"
+    elseif is_own_number(bus, telegram) then
+      record.origin = "own number"
+    end
+  end
+
+  -- A damaged command was not executed, so its damage has cost nothing.
+  local function answer_damaged(record, bus)
+    record.origin, record.damaged_in = "damaged", bus.damage.command_in
+    bus.damaged_count = bus.damaged_count - 1
   end
 
   local function note_telegram(record, bus, number, telegram)
@@ -5340,12 +5389,17 @@ do
       note_disturbance(bus, tap)
     end
     if not telegram.is_good then
-      note_damaged(bus, number)
-    elseif telegram.is_reaction then
-      end_exchange(record, bus, number, telegram)
-    else
-      record.exchange = begin_exchange(bus, number, telegram)
+      note_damaged(bus, number, telegram)
+      return
     end
+    if not telegram.is_reaction then
+      record.exchange = begin_exchange(bus, number, telegram)
+    elseif is_answer_to_damage(bus, telegram) and has_damaged_head(bus.damage, telegram) then
+      answer_damaged(record, bus)
+    else
+      end_exchange(record, bus, number, telegram)
+    end
+    bus.damage.is_there = false
   end
 
   -- Finds the relations of a telegram: in the first pass from what is known so far, later as found then. For a
@@ -5460,12 +5514,24 @@ do
     end
   end
 
+  local function show_origin(record, body)
+    if record.origin == "damaged" then
+      append_text(add_frame(body.tree, body.tvb, F.command_in, record.damaged_in), ", damaged")
+      add_expert(body.root, E.reaction_to_damaged)
+    elseif record.origin == "own number" then
+      add_expert(body.root, E.reaction_unasked,
+        "A command to 128 is answered with 128, not with the station's own number")
+    else
+      add_expert(body.root, E.reaction_unasked)
+    end
+  end
+
   local function show_reaction(record, body)
     local exchange = record.exchange
     local tree, tvb, root = body.tree, body.tvb, body.root
 
     if not exchange then
-      add_expert(root, E.reaction_unasked)
+      show_origin(record, body)
       return
     end
     local command = add_frame(tree, tvb, F.command_in, exchange.command_in)

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from bad_input import write
-from make import tcp_segment
+from make import Scenario, tcp_segment
 from sistap.files import pcapng
 from sistap.sis.telegram import build
 from sistap.wireshark.tshark import Tshark
-from tables import Table, check, shown
+from tables import HERE, Table, check, shown
 
 FIELDS = "reaction_in command_in reaction_time repeat_of routed_from"
 EXPERTS = "command.unanswered command.repeat reaction.unasked reaction.again"
@@ -285,6 +285,42 @@ SECTIONS: Table = {
 }
 
 
+# Chapter 2.4 (a damaged command, point to point) and fig. 2-9 (address 128).
+POINT_TO_POINT: Table = {
+    # A wrong checksum, and the answer to it
+    2: "command_in=1; reaction.to_damaged",
+    3: "reaction_in=4",
+    4: "command_in=3",
+    # Lengths that differ: to which command is not certain
+    6: "reaction.to_damaged",
+    # Nothing damaged before it
+    7: "reaction.unasked",
+    # A good command came after the damaged one; that is without a reaction before frame 13
+    9: "command.unanswered",
+    10: "reaction.unasked",
+    # Other addresses
+    12: "reaction.to_damaged",
+    # Not answered, then damaged when it came again, then the same again
+    13: "command.unanswered",
+    15: "command_in=14; reaction.to_damaged",
+    16: "reaction_in=17; repeat_of=13; command.repeat",
+    17: "command_in=16",
+    # Long data: no piece is missing
+    18: "reaction_in=19",
+    19: "command_in=18; sequence.whole_in=25",
+    21: "command_in=20; reaction.to_damaged",
+    23: "command_in=22; reaction.to_damaged",
+    24: "reaction_in=25",
+    25: "command_in=24; sequence.length=4",
+    # The number of the station
+    27: "command_in=26; reaction.to_damaged",
+    # A status that no document gives for damage
+    29: "reaction.unasked",
+    # Answered with the station's own number
+    31: "reaction.unasked",
+}
+
+
 def test_exchanges(tshark: Tshark) -> None:
     check(tshark, "exchanges", FIELDS, EXPERTS, EXCHANGES)
 
@@ -360,3 +396,21 @@ def check_many_connections(tshark: Tshark, most_kilobytes: float, folder: Path) 
 def test_a_connection_costs_little(tshark: Tshark, tmp_path: Path) -> None:
     """Of 3.5 kB, 1.9 are Wireshark's own."""
     check_many_connections(tshark, 5, tmp_path)
+
+
+def test_point_to_point(tshark: Tshark) -> None:
+    fields = "reaction_in command_in repeat_of sequence.whole_in sequence.length"
+    experts = f"{EXPERTS} reaction.to_damaged sequence.piece_missing"
+    check(tshark, "point-to-point", fields, experts, POINT_TO_POINT)
+    own_number = tshark.output("-r", str(HERE / "point-to-point.pcapng"), "-V", "-Y", "frame.number == 31")
+    assert "A command to 128 is answered with 128, not with the station's own number" in own_number
+
+
+def test_lengths_that_differ_are_answered_point_to_point(tshark: Tshark, tmp_path: Path) -> None:
+    """Without the tap, such a command is a telegram, so its answer is certain (0xF2, chapters 2.3 and 2.4)."""
+    lines = ["@link sis", "telegram 02 5C 00 01 00 12 10 80", "reaction 16>128 12 F2"]
+    (tmp_path / "bare.txt").write_text("\n".join(lines))
+    (tmp_path / "bare.pcapng").write_bytes(Scenario(tmp_path / "bare.txt").capture())
+    frames = shown(tshark, tmp_path / "bare.pcapng", "command_in reaction.to_damaged reaction.unasked")
+    assert frames[2].keys() == {"command_in", "reaction.to_damaged"}
+    assert frames[2]["command_in"] == "1"

@@ -432,6 +432,7 @@ expert_field ei_sertap_event_expert = EI_INIT;
 expert_field ei_sis_list_recursion = EI_INIT;
 expert_field ei_sis_command_unanswered = EI_INIT;
 expert_field ei_sis_reaction_unasked = EI_INIT;
+expert_field ei_sis_reaction_to_damaged = EI_INIT;
 expert_field ei_sis_reaction_again = EI_INIT;
 expert_field ei_sis_command_repeat = EI_INIT;
 expert_field ei_sis_body_missing = EI_INIT;
@@ -685,6 +686,7 @@ protocol_register_sis(void)
         {&ei_sis_list_recursion, {"sis.list.recursion", PI_PROTOCOL, PI_ERROR, "Service 0x04 must not be in its own list", EXPFILL}},
         {&ei_sis_command_unanswered, {"sis.command.unanswered", PI_SEQUENCE, PI_NOTE, "No reaction before the next command", EXPFILL}},
         {&ei_sis_reaction_unasked, {"sis.reaction.unasked", PI_SEQUENCE, PI_NOTE, "The command of this reaction is not known", EXPFILL}},
+        {&ei_sis_reaction_to_damaged, {"sis.reaction.to_damaged", PI_SEQUENCE, PI_CHAT, "The answer to a damaged command: right for point to point, on a bus the station is silent", EXPFILL}},
         {&ei_sis_reaction_again, {"sis.reaction.again", PI_SEQUENCE, PI_NOTE, "The command was answered before", EXPFILL}},
         {&ei_sis_command_repeat, {"sis.command.repeat", PI_SEQUENCE, PI_NOTE, "The same command again", EXPFILL}},
         {&ei_sis_body_missing, {"sis.body.missing", PI_PROTOCOL, PI_WARN, "Useful data are missing", EXPFILL}},
@@ -725,6 +727,7 @@ protocol_register_sis(void)
         "The station must refuse this list. Take service 0x04 out of the list of the master.",
         "The master went on without a reaction. Look whether this station answers at other times. If never: address, cable, power. If sometimes: compare its reaction times with the master's time-out.",
         "No command before it fits: the capture may have begun later, or the command was damaged. Look at the packets before it. If it comes often, two stations may have the same address.",
+        "The station could not read the command and says so. It did nothing. Look for the damage in the packet before. The master should send its command again.",
         "The station, or a second one, has answered the same command again. Look for a repeat by the master, and for two stations with one address.",
         "The master sends a command again, because no good reaction came in time. Look at the command before it: was it damaged, not answered, or answered too late?",
         "The useful data end before all fields are there. Compare the master's telegram with the service's layout.",

@@ -372,6 +372,7 @@ extern expert_field ei_sertap_event_expert;
 extern expert_field ei_sis_list_recursion;
 extern expert_field ei_sis_command_unanswered;
 extern expert_field ei_sis_reaction_unasked;
+extern expert_field ei_sis_reaction_to_damaged;
 extern expert_field ei_sis_reaction_again;
 extern expert_field ei_sis_command_repeat;
 extern expert_field ei_sis_body_missing;

@@ -91,10 +91,17 @@ command_direction(const sis_telegram_t *telegram)
 }
 
 static void
-note_damaged(sis_bus_t *bus, packet_info *pinfo)
+note_damaged(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
+    bool is_legible = !telegram->is_reaction && tvb_captured_length(tvb) >= telegram->body_offset;
+
     bus->damaged_in = pinfo->num;
     bus->damaged_count++;
+    bus->damage.is_there = true;
+    bus->damage.command_in = is_legible ? pinfo->num : 0;
+    bus->damage.head_length = (uint8_t)telegram->body_offset;
+    if (is_legible)
+        tvb_memcpy(tvb, bus->damage.head, 0, telegram->body_offset);
 }
 
 /* A telegram with a damaged length is not a telegram: the tap reports it as other characters. */
@@ -107,6 +114,8 @@ note_disturbance(sis_bus_t *bus, const sertap_record_t *record)
     if (seen.unframed_in > bus->damaged_in) {
         bus->damaged_in = seen.unframed_in;
         bus->damaged_count++;
+        bus->damage.is_there = true;
+        bus->damage.command_in = 0;
     }
 }
 
@@ -306,6 +315,43 @@ is_over(const sis_exchange_t *exchange)
     return end != 0 && bus->damaged_in > end;
 }
 
+/* Chapter 2.4: point to point, a slave answers a damaged command, with 0xF1, 0xF2 or 0xF4; on a bus it is
+ * silent. */
+static bool
+is_answer_to_damage(const sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
+{
+    uint8_t status;
+
+    if (!bus->damage.is_there || telegram->body_offset >= telegram->declared ||
+        !sis_has_status(telegram->service))
+        return false;
+    status = compat_get_uint8(tvb, telegram->body_offset);
+    return status == 0xF1 || status == 0xF2 || status == 0xF4;
+}
+
+/* Whether the damaged command has the same service and addresses. */
+static bool
+has_damaged_head(const sis_damage_t *damage, tvbuff_t *tvb, const sis_telegram_t *telegram)
+{
+    uint8_t layout = SIS_CONTROL_SUBADDRESSES | SIS_CONTROL_NUMBER;
+
+    return damage->command_in != 0 && damage->head_length == telegram->body_offset &&
+           ((damage->head[4] ^ telegram->control) & layout) == 0 &&
+           is_equal(tvb, 5, damage->head + 5, telegram->body_offset - 5);
+}
+
+/* Whether the command before went to the point-to-point address, and would fit but for that. */
+static bool
+is_own_number(const sis_bus_t *bus, const sis_telegram_t *telegram)
+{
+    const sis_exchange_t *before = wmem_map_lookup(bus->last, GUINT_TO_POINTER(telegram->sender));
+
+    return before != NULL && before->reaction_in == 0 &&
+           sis_receiver_kind(before->station) == SIS_POINT_TO_POINT &&
+           sis_receiver_kind(telegram->last_address) == SIS_STATION &&
+           before->stream->from[before->direction].bytes[5] == telegram->service;
+}
+
 static void
 end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo,
              const sis_telegram_t *telegram)
@@ -341,6 +387,21 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
             sis_make_rare(record)->routed_from = sis_exchange_below(exchange)->reaction_in;
         return;
     }
+    if (is_answer_to_damage(bus, tvb, telegram))
+        sis_make_rare(record)->origin = SIS_TO_DAMAGED;
+    else if (is_own_number(bus, telegram))
+        sis_make_rare(record)->origin = SIS_OWN_NUMBER;
+}
+
+/* A damaged command was not executed, so its damage has cost nothing. */
+static void
+answer_damaged(sis_record_t *record, sis_bus_t *bus)
+{
+    sis_rare_t *rare = sis_make_rare(record);
+
+    rare->origin = SIS_TO_DAMAGED;
+    rare->damaged_in = bus->damage.command_in;
+    bus->damaged_count--;
 }
 
 /* Several telegrams may be in one packet. Their records form a list: proto_data with a key for each of them
@@ -384,12 +445,17 @@ note_telegram(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis
 
     if (tap != NULL)
         note_disturbance(bus, tap);
-    if (!telegram->is_good)
-        note_damaged(bus, pinfo);
-    else if (telegram->is_reaction)
-        end_exchange(record, bus, tvb, pinfo, telegram);
-    else
+    if (!telegram->is_good) {
+        note_damaged(bus, tvb, pinfo, telegram);
+        return;
+    }
+    if (!telegram->is_reaction)
         record->exchange = begin_exchange(bus, tvb, pinfo, telegram);
+    else if (is_answer_to_damage(bus, tvb, telegram) && has_damaged_head(&bus->damage, tvb, telegram))
+        answer_damaged(record, bus);
+    else
+        end_exchange(record, bus, tvb, pinfo, telegram);
+    bus->damage.is_there = false;
 }
 
 sis_record_t *
@@ -524,6 +590,20 @@ show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, 
 }
 
 static void
+show_origin(const sis_rare_t *rare, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, proto_item *root)
+{
+    if (rare->origin == SIS_TO_DAMAGED) {
+        proto_item_append_text(add_link(tree, hf_sis_command_in, tvb, rare->damaged_in), ", damaged");
+        expert_add_info(pinfo, root, &ei_sis_reaction_to_damaged);
+    } else if (rare->origin == SIS_OWN_NUMBER) {
+        expert_add_info_format(pinfo, root, &ei_sis_reaction_unasked,
+                               "A command to 128 is answered with 128, not with the station's own number");
+    } else {
+        expert_add_info(pinfo, root, &ei_sis_reaction_unasked);
+    }
+}
+
+static void
 show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
               proto_item *root)
 {
@@ -531,7 +611,7 @@ show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, pro
     proto_item *command;
 
     if (exchange == NULL) {
-        expert_add_info(pinfo, root, &ei_sis_reaction_unasked);
+        show_origin(sis_rare(record), tvb, pinfo, tree, root);
         return;
     }
     command = add_link(tree, hf_sis_command_in, tvb, exchange->command_in);

@@ -45,6 +45,14 @@ typedef struct {
     uint8_t to;
 } sis_switch_t;
 
+/* What came on a bus since its last good telegram: a station may answer it (chapter 2.4). */
+typedef struct {
+    bool is_there;
+    uint32_t command_in; /* the last is a command with a legible header; 0: it is not */
+    uint8_t head_length;
+    uint8_t head[16]; /* of that command: its static bytes, subaddresses and number */
+} sis_damage_t;
+
 /* One line, or one TCP connection. */
 typedef struct sis_bus {
     uint64_t key;
@@ -52,7 +60,8 @@ typedef struct sis_bus {
     bool is_connection;
     uint32_t damaged_in; /* the last damaged telegram, or characters that may have been one; 0: none */
     uint32_t damaged_count;
-    uint32_t lost_in;                  /* the last loss of characters; 0: none */
+    uint32_t lost_in; /* the last loss of characters; 0: none */
+    sis_damage_t damage;
     wmem_map_t *last;                  /* command of each master */
     const struct sis_exchange *newest; /* command of all masters; NULL: none yet */
     /* Data of other files; each owner makes its own on first use. */
@@ -121,11 +130,20 @@ typedef struct sis_step {
     bool is_switch_end; /* it ended here, successfully or not */
 } sis_step_t;
 
+/* What is known of a reaction that belongs to no exchange. */
+typedef enum {
+    SIS_UNASKED,
+    SIS_TO_DAMAGED, /* a damaged command, as a point-to-point station answers it */
+    SIS_OWN_NUMBER, /* a command to the point-to-point address, answered with another one */
+} sis_origin_t;
+
 /* The results of the first pass that few telegrams have. */
 typedef struct {
     sis_step_t *steps;
     struct sis_cycle *cycle; /* of the master control word; NULL: none */
     uint32_t routed_from;    /* of a reaction: the one from one level below */
+    uint32_t damaged_in;     /* of a reaction: the damaged command that it answers; 0: not known */
+    sis_origin_t origin;
 } sis_rare_t;
 
 /* The results of the first pass for one telegram. A capture has millions, so what few have is elsewhere. */
