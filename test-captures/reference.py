@@ -8,7 +8,7 @@ documents leave open is open here, too: such bytes must be shown, in any way.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -451,3 +451,59 @@ def decode(telegram: bytes, command: bytes | None = None, *, ecodrive03: bool = 
         body.asked = body_of(command) if command else None
         _take_service(body)
     return decoded
+
+
+def _parts(telegram: bytes) -> list[tuple[int, bytes]]:
+    """Return the services of a telegram with their bodies: its own, or those of the elements of its list."""
+    body = body_of(telegram)
+    if telegram[5] != 0x04:
+        return [(telegram[5], body)]
+    return list(elements(body[1:] if telegram[4] & 0x10 else body))
+
+
+class Transfers:
+    """Long data in pieces (chapters 2.4, 8.2 and 8.7), from good telegrams in their order, of stations without routers.
+
+    The useful data header, the sender and the service stay the same from piece to piece (0xF8 in fig. 2-18), so whether
+    the pieces stand in lists does, too.
+    """
+
+    def __init__(self) -> None:
+        """Begin with nothing under way."""
+        self._asked: dict[bytes, list[tuple[int, bytes]]] = {}  # the last command between two stations
+        # By stations, the services of telegram and data, and the header of the data.
+        self._begun: dict[tuple[bytes, int, int, bytes], bytes] = {}
+
+    def take(self, telegram: bytes) -> list[bytes]:
+        """Return the data of which this telegram has the last of several pieces."""
+        stations, parts = telegram[6:8], _parts(telegram)
+        if not telegram[4] & 0x10:
+            self._asked[stations] = parts
+            if stations[1] >= 254:
+                self._cancel(parts, lambda known: known[:1] == stations[:1])  # nobody answers (fig. 2-3)
+            return self._join(telegram, [(service, body[:5], body[5:]) for service, body in parts if service == 0x1F])
+        answered = list(zip(self._asked[stations], parts, strict=True))
+        good = [asked for asked, (_, body) in answered if body[0] == 0]
+        self._cancel(good, lambda known: known == stations)
+        read = [(asked, body) for asked, (service, body) in answered if service == 0x10 and body[0] == 0]
+        return self._join(telegram, [(0x10, body[1:2] + asked[1:5], body[3:]) for (_, asked), body in read])
+
+    def _join(self, telegram: bytes, pieces: list[tuple[int, bytes, bytes]]) -> list[bytes]:
+        """Take pieces: service, useful data header of the command, data."""
+        wholes = []
+        for service, header, data in pieces:
+            last = header[0] & 4  # fig. 8-1
+            key = telegram[6:8], telegram[5], service, bytes([header[0] & ~4]) + header[1:]
+            if last and key in self._begun:
+                wholes.append(self._begun.pop(key) + data)
+            elif not last:
+                self._begun[key] = self._begun.get(key, b"") + data
+        return wholes
+
+    def _cancel(self, parts: list[tuple[int, bytes]], reaches: Callable[[bytes], bool]) -> None:
+        """End what is cancelled (chapter 4): all, or a service of a device."""
+        for service, body in parts:
+            if service == 0x01:
+                over = [key for key in self._begun if reaches(key[0]) and body in (b"", bytes([key[3][1], key[2]]))]
+                for key in over:
+                    del self._begun[key]

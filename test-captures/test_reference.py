@@ -7,12 +7,14 @@ import html
 import random
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, TypedDict
 
 import pytest
 
 import reference
+import tables
 from reference import BITS, Field, command_layout, decode, reaction_layout
 from sistap.files.pcapng import (
     LINKTYPE_WIRESHARK_UPPER_PDU,
@@ -277,3 +279,115 @@ def test_random_telegrams(edition: str, tshark: Tshark, tmp_path: Path) -> None:
 @pytest.mark.parametrize("seed", range(2, 6))
 def test_many_random_telegrams(seed: int, edition: str, tshark: Tshark, tmp_path: Path) -> None:
     _compare(seed, 2500, edition, tshark, tmp_path)
+
+
+class Step(NamedTuple):
+    """A service in a command, and its good reaction."""
+
+    service: int
+    asked: bytes
+    answered: bytes
+
+
+@dataclass
+class Long:
+    """Long data of a device, read or written in pieces."""
+
+    service: int
+    listed: bool
+    parameter: bytes
+    pieces: list[bytes]
+
+    def step(self, device: int) -> Step:
+        """Carry the next piece (chapters 8.2 and 8.7)."""
+        data = self.pieces.pop(0)
+        control = 0x38 if self.pieces else 0x3C
+        if self.service == 0x1F:
+            return Step(0x1F, bytes([control, device]) + self.parameter + data, bytes([0, control, device]))
+        return Step(0x10, bytes([0x3C, device]) + self.parameter, bytes([0, control, device]) + data)
+
+
+Under = dict[tuple[int, int, int], Long]  # by master, station and device
+
+
+def _long(rng: random.Random, listed: bool) -> Long:
+    pieces = [rng.randbytes(rng.randrange(1, 5)) for _ in range(rng.randrange(1, 5))]
+    return Long(rng.choice((0x10, 0x1F)), listed, bytes([0, rng.choice((30, 31)), 0]), pieces)
+
+
+def _cancel(rng: random.Random, under: Under, master: int, station: int) -> Step:
+    """Cancel all, or a service of a device; whatever is under way there begins anew."""
+    device, service = rng.randrange(1, 4), rng.choice((0x10, 0x1F))
+    what = rng.choice((b"", bytes([device, service])))
+    for key, data in list(under.items()):
+        is_meant = not what or (key[2], data.service) == (device, service)
+        if is_meant and key[0] == master and (station >= 254 or key[1] == station):
+            del under[key]
+    return Step(0x01, what, b"\0" + what[:1])
+
+
+def _steps(rng: random.Random, under: Under, master: int, station: int, listed: bool) -> list[Step]:
+    """Go on with some devices, or begin there; in a list, the first element may cancel.
+
+    What is written after that may begin anew or not: only the reaction tells whether the cancel was executed.
+    """
+    steps = [_cancel(rng, under, master, station)] if rng.random() < 0.15 else []
+    is_cancelled = bool(steps)
+    for device in rng.sample((1, 2, 3), rng.randrange(1, 4) if listed else not is_cancelled):
+        data = under.setdefault((master, station, device), _long(rng, listed))
+        if data.listed == listed and not (is_cancelled and data.service == 0x1F):
+            steps.append(data.step(device))
+        if not data.pieces:
+            del under[master, station, device]
+    return steps
+
+
+def transfers(seed: str, count: int) -> Iterator[bytes]:
+    """Make a conversation of two masters and two stations in which all is as it should be."""
+    rng = random.Random(seed)
+    under: Under = {}
+    for _ in range(count):
+        master, station, listed = rng.choice((16, 17)), rng.choice((3, 4)), rng.random() < 0.6
+        if rng.random() < 0.05:
+            station = rng.choice((254, 255))
+            steps = [_cancel(rng, under, master, station)]
+        else:
+            steps = _steps(rng, under, master, station, listed)
+        if not steps:
+            continue
+        service = 0x04 if listed else steps[0].service
+        asked = b"".join(_element(step.service, step.asked) for step in steps) if listed else steps[0].asked
+        yield build(service, master, station, asked)
+        if station < 254:
+            answered = b"".join(_element(step.service, step.answered) for step in steps)
+            body = b"\0" + answered if listed else steps[0].answered
+            yield build(service, master, station, body, reaction=True)
+
+
+def _check_transfers(seed: int, count: int, tshark: Tshark, tmp_path: Path) -> None:
+    made = list(transfers(f"{seed}", count))
+    path = tmp_path / "transfers.pcapng"
+    with path.open("wb") as file:
+        file.write(section_header("", "") + interface_description(Interface(LINKTYPE_WIRESHARK_UPPER_PDU, "")))
+        for number, telegram in enumerate(made):
+            file.write(enhanced_packet(0, number * MS, upper_pdu("sis", telegram)))
+    said = reference.Transfers()
+    expected = [[whole.hex() for whole in said.take(telegram)] for telegram in made]
+    assert sum(map(len, expected)) > count // 10
+    for passes in ((), ("-2",)):
+        frames = tables.shown(tshark, path, "data sequence.length", *passes)
+        for number, wholes in enumerate(expected, 1):
+            lengths = frames[number].get("sequence.length", "")
+            assert lengths == ",".join(str(len(whole) // 2) for whole in wholes), f"frame {number} {passes}"
+            assert {*wholes} <= {*frames[number].get("data", "").split(",")}, f"frame {number} {passes}"
+
+
+def test_random_transfers(tshark: Tshark, tmp_path: Path) -> None:
+    """Pieces in telegrams and in lists, and cancels: which data are whole."""
+    _check_transfers(1, 400, tshark, tmp_path)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(2, 6))
+def test_many_random_transfers(seed: int, tshark: Tshark, tmp_path: Path) -> None:
+    _check_transfers(seed, 4000, tshark, tmp_path)

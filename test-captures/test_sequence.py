@@ -156,7 +156,8 @@ SEQUENCES_APART: Table = {
 }
 
 
-# Chapters 7.1 (only 0x04 itself is not in a list), 8.2 and 8.7 (bit 2 of the parameter control), 4 and fig. 2-3 (cancel).
+# Chapters 7.1 (only 0x04 itself is not in a list), 8.2 and 8.7 (bit 2 of the parameter control); 4 and fig. 2-3
+# (cancel).
 LISTS: Table = {
     # Read in two lists
     2: "data=0102; sequence.whole_in=4",
@@ -245,7 +246,15 @@ LISTS: Table = {
 }
 
 # The values that are read and written; none where a piece may be missing, or belongs to another transfer.
-LIST_ACCESSES = {4: "01020304", 10: "0100020004000900", 14: "41424344", 28: "61626364", 34: "61626364", 50: None, 91: None}
+LIST_ACCESSES = {
+    4: "01020304",
+    10: "0100020004000900",
+    14: "41424344",
+    28: "61626364",
+    34: "61626364",
+    50: None,
+    91: None,
+}
 
 
 def test_sequences(tshark: Tshark) -> None:
