@@ -35,6 +35,7 @@ from sistap.wireshark.tshark import Tshark
 
 START_NS = 1_700_000_000_000_000_000
 EVERY_FLAG = 0x7F
+PATIENCE_S = 1800  # for the many examples of `check` on a busy machine
 MS = 1_000_000
 DAY_NS = 86_400_000 * MS
 
@@ -201,6 +202,7 @@ ANY = pytest.mark.attack(
 
 
 @ANY
+@pytest.mark.timeout(PATIENCE_S)
 @given(command=st.sampled_from(COMMANDS), first=captures, second=captures)
 def test_a_command_with_any_capture(command: str, first: Sequence[Made], second: Sequence[Made]) -> None:
     with tempfile.TemporaryDirectory() as name:
@@ -215,6 +217,7 @@ def test_a_command_with_any_capture(command: str, first: Sequence[Made], second:
 
 
 @ANY
+@pytest.mark.timeout(PATIENCE_S)
 @given(made=captures)
 def test_a_recorder_with_any_capture(made: Sequence[Made], tshark: Tshark) -> None:
     """What decides what is kept, and passes values on."""
