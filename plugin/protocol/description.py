@@ -31,6 +31,7 @@ TYPES = {
 }
 LINKS = {"request", "response", "retrans_prev"}
 SEVERITIES = {"chat", "note", "warn", "error"}
+REPORTED = {"warn", "error"}
 PREFERENCES = {"choice", "number", "boolean", "ports"}
 GROUPS = {"checksum", "malformed", "protocol", "response_code", "sequence", "undecoded"}
 
@@ -91,6 +92,7 @@ class Expert:
     says: str  # in the list of expert items
     means: str
     do: str
+    episode: str = ""  # kind, in a report
 
     @property
     def protocol(self) -> str:
@@ -265,9 +267,10 @@ def _field(filter_: str, entry: Mapping[str, Any]) -> Field:
 def _expert(filter_: str, entry: Mapping[str, str]) -> Expert:
     if entry["severity"] not in SEVERITIES or entry["group"] not in GROUPS:
         raise ValueError(f"experts.toml: {filter_} has an unknown severity or group: {entry}")
-    return Expert(
-        filter_, entry["group"], entry["severity"], entry["says"], entry.get("means", ""), entry.get("do", "")
-    )
+    if entry["severity"] in REPORTED and ("episode" in entry) == ("no_episode" in entry):
+        raise ValueError(f"experts.toml: {filter_} needs an episode, or the reason why it has none")
+    texts = (entry.get(key, "") for key in ("means", "do", "episode"))
+    return Expert(filter_, entry["group"], entry["severity"], entry["says"], *texts)
 
 
 def _code(key: str, entry: str | Mapping[str, str]) -> Code:
@@ -359,6 +362,7 @@ class Description:
             raise ValueError(f"services.toml: {wrong}")
         self.limits = [Limit(name, entry["is"], entry["about"]) for name, entry in load("limits.toml").items()]
         self._check_protocols()
+        self.standard = load("standard.toml")
         self.s_names = {int(number): name for number, name in load("names.toml")["s_names"].items()}
         faults = load("faults.toml")
         self.faults = [self._fault(name, entry) for name, entry in faults["faults"].items()]

@@ -120,7 +120,7 @@ Made by plugin/protocol/generate.py from faults.toml and experts.toml: edit ther
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 
@@ -147,6 +147,8 @@ class Fault(NamedTuple):
 
 # In the order of the report; where several hold, the first names the packet.
 FAULTS = ('''
+
+OWN = {"again", "unexpected", "early", "warning_bit", "against"}  # kinds that an expert item alone tells
 
 
 def _tuple(texts: Sequence[str]) -> str:
@@ -186,4 +188,36 @@ def faults(description: Description) -> str:
         *(f"        {_string(one)}," for one in writes),
         "    ),",
     ]
-    return "\n".join([*lines, ")", ""])
+    lines += [
+        ")",
+        "",
+        "# Expert items that tell an episode by themselves, and its kind.",
+        "SIGNS: Mapping[str, str] = {",
+    ]
+    found = {test.partition(" ")[0] for fault in description.faults for test in fault.tests}
+    signs = [one for one in description.experts if one.episode and one.filter not in found and one.episode in OWN]
+    lines += [*(f'    "{one.filter}": "{one.episode}",' for one in signs), "}"]
+    return "\n".join([*lines, ""])
+
+
+STANDARD = '''# SPDX-License-Identifier: GPL-2.0-or-later
+"""What SERCOS fixes about standard parameters: only forms and bits, never a scale.
+
+Made by plugin/protocol/generate.py from standard.toml: edit there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+'''
+
+
+def standard(description: Description) -> str:
+    """Return standard.py."""
+    said = description.standard
+    lines = [STANDARD, "# What the values of a parameter are.", "FORMS: Mapping[str, str] = {"]
+    lines += [f'    "{ident}": "{form}",' for form, idents in said["forms"].items() for ident in idents]
+    lines += ["}", "", "# Measured values, and the commands that they follow.", "FOLLOWS: Mapping[str, str] = {"]
+    lines += [*(f'    "{one}": "{other}",' for one, other in said["follows"].items()), "}", ""]
+    lines += ["# Limits of a drive.", "LIMITS: Collection[str] = frozenset(", "    ("]
+    return "\n".join([*lines, *(f'        "{ident}",' for ident in said["limits"]["idents"]), "    )", ")", ""])

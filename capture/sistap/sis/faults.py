@@ -6,7 +6,7 @@ Made by plugin/protocol/generate.py from faults.toml and experts.toml: edit ther
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 
@@ -131,3 +131,18 @@ WRITE = Fault(
         "sis.service == 0xcf",
     ),
 )
+
+# Expert items that tell an episode by themselves, and its kind.
+SIGNS: Mapping[str, str] = {
+    "sis.list.recursion": "against",
+    "sis.reaction.again": "again",
+    "sis.body.missing": "against",
+    "sis.body.unexpected": "against",
+    "sis.length.long": "against",
+    "sis.control.warning.set": "warning_bit",
+    "sis.sender.invalid": "against",
+    "sis.receiver.reserved": "against",
+    "sis.receiver.level_broadcast": "against",
+    "sis.reaction.unexpected": "unexpected",
+    "sis.twm.early": "early",
+}
