@@ -22,6 +22,7 @@ import poster  # noqa: E402 - of the checkout
 import wiring  # noqa: E402
 from sistap import cli  # noqa: E402
 from sistap.bus.scenarios import scenario  # noqa: E402
+from sistap.episodes.rules import RULES, SUBJECTS, Severity  # noqa: E402
 from sistap.extcap import dialog  # noqa: E402
 from sistap.line.drivers import DRIVERS  # noqa: E402
 
@@ -193,7 +194,15 @@ def statistics() -> str:
     return table(("name", "menu *Statistics*"), rows)
 
 
+def kinds() -> str:
+    """Return the kinds of episodes."""
+    answers = {Severity.ERROR: "NOT OK", Severity.WARNING: "to be looked at", Severity.NOTE: "note"}
+    rows = [(f"`{name}`", SUBJECTS[rule.subject], answers[rule.severity], rule.means) for name, rule in RULES.items()]
+    return table(("kind", "line", "answer", "what it means"), rows)
+
+
 BLOCKS = {
+    "kinds": kinds,
     "dead bus": lambda: table(("step", "what to do"), poster.DEAD_BUS),
     "pins": lambda: table(("signal", "9-pin plug", "15-pin plug"), wiring.PINS),
     "drivers": drivers,

@@ -17,6 +17,8 @@ class Part(NamedTuple):
 # The part of a capture through which reads go.
 PASSING = ("_loop", "_take_waiting", "_take", "_idle")
 
+EPISODES = ("test_kinds.py", "test_small_cases.py")
+
 PARTS = (
     Part("sistap/records/framer.py", ("test_framer.py", "test_framer_ascii.py")),
     Part("sistap/records/framer_3964r.py", ("test_framer_3964r.py",)),
@@ -33,4 +35,16 @@ PARTS = (
     Part("sistap/line/measurement.py", ("test_measurement.py",)),
     Part("sistap/line/reader/errors.py", ("test_reader_errors.py",)),
     Part("sistap/line/reader/latency.py", ("test_measurement.py",)),
+    Part("sistap/episodes/readings.py", ("test_readings.py",)),
+    Part("sistap/episodes/folding.py", ("test_folding.py",)),
+)
+# Their tests take several seconds: only by name.
+SLOW = (
+    Part("sistap/episodes/lines.py", ("test_episode_lines.py", "test_small_cases.py")),
+    Part("sistap/episodes/live.py", ("test_live_episodes.py",)),
+    *(
+        Part(f"sistap/episodes/{name}.py", EPISODES)
+        for name in ("boots", "devices", "diagnoses", "faults", "machine", "masters", "paces", "silence", "states")
+    ),
+    *(Part(f"sistap/episodes/{name}.py", EPISODES) for name in ("engine", "values", "writes")),
 )

@@ -24,7 +24,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from covering import PARTS, Part
+from covering import PARTS, SLOW, Part
 from making import Mutant, difference, mutants, mutated
 
 DESCRIPTION = """\
@@ -147,7 +147,7 @@ def named(names: list[str]) -> list[Chosen]:
     found = []
     for name in names:
         module, _, line = name.partition(":")
-        parts = [part for part in PARTS if part.module.endswith(module)]
+        parts = [part for part in (*PARTS, *SLOW) if part.module.endswith(module)]
         found += [one for one in choose(parts, None, 0) if line in ("", str(one.mutant.line))]
     return found
 

@@ -61,7 +61,8 @@ SCRIPT = (  # what the master does when; meanwhile it asks the drives
     (220, "{ switch = 2, station = 4 }", Planted("phase", 220, 4)),
     (240, "{ switch = 4, station = 4 }", Planted("phase", 240, 4)),
     (260, "{ wait_ms = 60000 }", Planted("bus_silent", 260, None)),
-    (340, '{ read = "S-0-4095", station = 3 }', Planted("error", 340, 3, "S-0-4095")),
+    # Nobody may write it.
+    (340, '{ write = "S-0-0013", value = 0, station = 3 }', Planted("error", 340, 3, "S-0-0013")),
     (
         360,
         '{ set = "rate", rate = 19200, station = 255, device = 0 }, { set = "accept", station = 255, device = 0 }',

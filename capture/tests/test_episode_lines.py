@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from sistap.episodes.causes import find_causes
 from sistap.episodes.episode import Episode, Hit
+from sistap.episodes.folding import fold
 from sistap.episodes.lines import lines
-from sistap.episodes.rules import RULES, Severity
+from sistap.episodes.rules import RULES, THRESHOLDS, Severity
 
 EVENING = datetime(2026, 11, 21, 22)  # noqa: DTZ001 - local time, as it is shown
 
@@ -47,7 +47,7 @@ def test_a_night_in_five_lines() -> None:
         episode("bus_silent", "04:30:00", "04:35:00", detail="300 s: cable or master off?", worst=300.0),
         episode("silent", "00:40:12", "00:41:42", 4, detail="90 s, 501 commands without a reaction"),
         episode("silent", "04:50:31", "04:52:01", 6, detail="90 s, 501 commands without a reaction"),
-        episode("changed", "02:20:00", "02:23:00", 4, parameter="S-0-0390", detail="0x000A0101 -> 0x000F2028"),
+        episode("fault", "02:20:00", "02:23:00", 4, detail="F2028 (S-0-0390, before A0101)", topic="F2028"),
         episode("drift", "22:00:00", "06:00:00", 5, parameter="S-0-0084", detail="+5 %/h (not by chance)"),
         episode("error", "22:33:00", station=3, detail="0x8001"),
         episode("error", "01:17:00", station=4, detail="0x8002"),
@@ -66,21 +66,22 @@ def test_a_night_in_five_lines() -> None:
         episode("clock", "05:50:00", "05:50:25", detail="-25 s", worst=-25.0),
     )
     assert first == (
-        "NOT OK, 2026-11-21 22:00:00 to 2026-11-22 06:00:00. "
+        "NOT OK, 2026-11-21 22:00:00 to 2026-11-22 06:00:00: reaction later than TrS (station 3), station silent "
+        "(stations 4, 6), fault (station 4), bus silent, interval longer than TzA (station 6), 3 things to look at. "
         "Bus silent 04:30:00 to 04:35:00, all stations: cable or master off?"
     )
     assert silent == "Silent: station 4 from 00:40:12 (90 s); station 6 from 04:50:31 (90 s)."
     assert drives == (
-        "Drives: station 4 S-0-0390 A0101 -> F2028 02:20:00 to 02:23:00; station 5 S-0-0084 +5 %/h; "
-        "2 error codes (stations 3, 4)."
+        "Drives: station 4 fault F2028 02:20:00 to 02:23:00; "
+        "2 error codes (0x8001, 0x8002, stations 3, 4, 22:33:00, 01:17:00); station 5 S-0-0084 +5 %/h."
     )
     assert changed == "Changed: new master 17 wrote station 4 S-0-0091 3000 -> 500 rpm at 03:12:07."
     assert limits == (
-        "Limits: 3 reactions later than TrS (worst 201 ms, station 3, 05:12:00); "
-        "1 interval longer than TzA, perhaps 1 more (station 6, 30.000 ms, 05:40:00); "
-        "2 damaged telegrams (stations 3, 6); "
-        "1 loss of characters (station 3, in a telegram that is damaged, 05:05:00); "
-        "clock -25 s at 05:50:00."
+        "Limits: 3 reactions later than TrS (worst 201 ms at 05:12:00, station 3, 22:17:00, 05:12:00, 05:12:50); "
+        "1 interval longer than TzA, perhaps 1 more (30.000 ms, station 6, 05:40:00); "
+        "clock -25 s at 05:50:00; "
+        "2 damaged telegrams (stations 3, 6, 00:03:00, 02:12:00); "
+        "1 loss of characters (in a telegram that is damaged, station 3, 05:05:00)."
     )
 
 
@@ -105,16 +106,11 @@ def test_what_follows_a_write_and_what_lasts_is_said() -> None:
     stepped = episode("step", "01:50:07", "01:54:59", 3, parameter="S-0-0040", detail="200 rpm below S-0-0036")
     lasting = Episode.of(stepped.hit._replace(from_s=at("02:30:00"), to_s=at("05:59:58"), outcome="still so"))
     before = Episode.of(stepped.hit._replace(from_s=at("01:48:00"), to_s=at("01:49:00")))
-    find_causes(
-        [
-            *(before, stepped, lasting),
-            *(episode("write", clock, "", station, parameter=parameter) for clock, station, parameter in writes),
-        ]
-    )
-    assert told(before, stepped, lasting)[2] == (
-        "Drives: station 3 S-0-0040 200 rpm below S-0-0036 01:48:00 to 01:49:00; "
-        "station 3 S-0-0040 200 rpm below S-0-0036 01:50:07 to 01:54:59, soon after the write of S-0-0036; "
-        "station 3 S-0-0040 200 rpm below S-0-0036 02:30:00 to 05:59:58, still so."
+    written = [episode("write", clock, "", station, parameter=parameter) for clock, station, parameter in writes]
+    assert told(*fold([before, stepped, lasting, *written], 1000, THRESHOLDS))[2] == (
+        "Drives: station 3 S-0-0040 200 rpm below S-0-0036 02:30:00 to 05:59:58, still so; "
+        "station 3 S-0-0040 200 rpm below S-0-0036 01:48:00 to 01:49:00; "
+        "station 3 S-0-0040 200 rpm below S-0-0036 01:50:07 to 01:54:59, soon after the write of S-0-0036."
     )
 
 
@@ -134,7 +130,7 @@ def test_what_perhaps_is_none_comes_last() -> None:
     perhaps = episode("interval", "01:00:00", station=6, detail="perhaps: 6.000 ms", severity=Severity.NOTE)
     jumped = episode("clock", "03:07:04", detail="+3600 s; the times go on without the jump", severity=Severity.NOTE)
     assert told(perhaps, jumped)[4] == (
-        "Limits: clock +3600 s at 03:07:04; perhaps 1 interval longer than TzA (station 6, 6.000 ms, 01:00:00)."
+        "Limits: clock +3600 s at 03:07:04; perhaps 1 interval longer than TzA (6.000 ms, station 6, 01:00:00)."
     )
 
 
@@ -144,7 +140,8 @@ def test_a_cable_that_is_off_ten_times_is_one_phrase() -> None:
         for minute, seconds in zip(range(10, 20), [10] * 9 + [50], strict=True)
     ]
     assert told(*flaps)[0].endswith(
-        ". Bus silent 10 times, longest 50 s (22:19:00 to 22:19:50), all stations: cable or master off?"
+        ". Bus silent 10 times (longest 50 s at 22:19:00; 22:10:00, 22:11:00, 22:12:00, 22:13:00, 22:14:00, 22:15:00 "
+        "and 4 more)."
     )
 
 

@@ -15,10 +15,10 @@ from typing import Any
 
 import planted
 import pytest
+from machines import FAULT, LAPTOP, RUNS, Machine, access, packet, telegram
 from report_capture import ANSWER, READ, Sent, write
 
 from sistap import cli
-from sistap.accesses.access import Access, Parameter
 from sistap.episodes.book import MOST, Book
 from sistap.episodes.engine import Engine
 from sistap.episodes.episode import PACKETS, Episode, Hit
@@ -27,11 +27,10 @@ from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Subject
 from sistap.episodes.silence import BusSilence, StationSilence
 from sistap.episodes.states import Rate
 from sistap.episodes.trend import trend
-from sistap.episodes.values import Values
-from sistap.packets.dissection import Packet, Telegram
-from sistap.records.record import Event
+from sistap.packets.dissection import Telegram
+from sistap.records.record import KEPT, Event
 from sistap.terminal.exits import USAGE
-from sistap.wireshark.rows import EVENT, FRAME
+from sistap.wireshark.rows import EVENT
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 
@@ -90,10 +89,6 @@ def test_a_master_that_asks_once_a_minute_is_no_fault(tmp_path: Path, capsys: py
     assert [episode["severity"] for episode in told(capsys, capture) if episode["kind"] == "bus_silent"] == ["note"]
 
 
-def packet(second: float) -> Packet:
-    return Packet("", FRAME, None, 9600, "8E1", None, None, "", 0, 0, (), int(second) + 1, second, second, None, [])
-
-
 def heard(silences_s: Iterable[float]) -> list[Hit]:
     """Return the silences that are told of a bus with a character before and after each of these."""
     silence, now_s = BusSilence(), 0.0
@@ -135,30 +130,27 @@ def test_what_recurs_in_a_rhythm_is_told_as_one(tmp_path: Path, capsys: pytest.C
     assert episodes[-1]["count"] == 14 - alone and episodes[-1]["severity"] == "note"
     assert cli.main(["report", "--format", "text", str(capture)]) == 0
     first = " ".join(capsys.readouterr().out.split())
-    assert f"Bus silent {alone} times, longest 10 s" in first and "Bus silent 3 times in a rhythm" in first
+    assert f"Bus silent {alone} times (longest 10 s at " in first and "Bus silent 3 times in a rhythm" in first
 
 
 def test_values_after_a_write_without_a_reaction_are_no_step() -> None:
     """Nobody knows whether the drive took the command. The next write is answered."""
-    values = Values()
+    engine = Engine()
     numbers = itertools.count(1)
 
     def say(value: float, *, is_write: bool = False, has_reaction: bool = True) -> None:
         number = next(numbers)
         ident, service = ("S-0-0036", 0x1F) if is_write else ("S-0-0040", 0x10)
-        command = (True, service, 16, 3, False, None, False, False, False, not has_reaction, "", False, None)
         columns = {"sis.parameter": ident, "sis.service": str(service)}
-        telegram = Telegram(*command, None, None, None, None, None, None, columns)
-        parameter = Parameter("", "3", 7, ident)
-        access = Access(parameter, is_write, 16, "", f"{value} rpm", value, None, "", "rpm", "", "")
-        said = packet(10.0 * number)
-        values.add(replace(said, telegrams=[telegram], accesses=[access] if has_reaction else []))
+        asked = telegram(16, 3, service=service, unanswered=not has_reaction, columns=columns)
+        said = access(3, ident, value, master=16, is_write=is_write)
+        engine.add(packet(10.0 * number, asked, accesses=[said] if has_reaction else []))
 
     for command, has_reaction in ((1000, True), (1100, True), (950, False), (1000, True)):
         say(command, is_write=True, has_reaction=has_reaction)
         for value in scattered(command, 60, command):
             say(value)
-    assert list(values.finish()) == []
+    assert not [one for one in engine.finish() if one.kind == "step"]
 
 
 @pytest.mark.parametrize(
@@ -170,41 +162,25 @@ def test_values_after_a_write_without_a_reaction_are_no_step() -> None:
     ],
 )
 def test_what_became_of_what_a_new_master_wrote(after: Sequence[str], outcome: str) -> None:
-    engine = Engine(thresholds=THRESHOLDS._replace(learning_commands=1))
-    numbers = itertools.count(1)
-
-    def say(value: str, *, writer: int | None = None) -> None:
-        master, number = writer or 16, next(numbers)
-        command = (True, 0x1F if writer else 0x10, master, 4, False, None, False, False, False, False, "", False, None)
-        telegram = Telegram(*command, None, None, None, None, None, None, {})
-        parameter = Parameter("", "4", 7, "S-0-0091")
-        access = Access(parameter, writer is not None, master, "", value, None, value, "", "rpm", "", "")
-        engine.add(replace(packet(float(number)), telegrams=[telegram], accesses=[access]))
-
-    say("3000 rpm")
-    say("500 rpm", writer=17)
+    machine = Machine(4)
+    machine.run(150)
+    machine.exchange(access(4, "P-0-0091", "3000 rpm"))
+    machine.write(4, "P-0-0091", "500 rpm", master=LAPTOP)
     for value in after:
-        say(value)
-    (written,) = (one for one in engine.finish() if one.kind == "write")
-    assert (written.hit.detail, written.outcome) == ("3000 rpm -> 500 rpm by new master 17", outcome)
-    assert written.text.endswith(f"by new master 17; {outcome}")
+        machine.exchange(access(4, "P-0-0091", value))
+    (written,) = machine.told().of("write")
+    assert (written.hit.detail, written.outcome) == ("3000 rpm -> 500 rpm by new master 127", outcome)
+    assert written.text.endswith(f"by new master 127; {outcome}")
 
 
 def test_what_lasts_to_the_end_says_so() -> None:
-    values = Values()
-    diagnosis, torque = Parameter("", "4", 7, "S-0-0390"), Parameter("", "4", 7, "S-0-0084")
-    for number in range(1, 601):
-        diagnoses = {200: "0x000F2028", 210: "0x000A0101", 400: "0x000F2028"}
-        shown = diagnoses[max((since for since in diagnoses if since <= number), default=210)]
-        percent = 20.0 if number < 400 else 60.0
-        said = [
-            Access(diagnosis, False, 16, "", shown, None, None, "", "", "", ""),
-            Access(torque, False, 16, "", f"{percent} %", percent, None, "", "%", "", ""),
-        ]
-        values.add(replace(packet(float(number)), accesses=said))
-    found = [(hit.kind, hit.from_s, hit.outcome) for hit in values.finish()]
+    machine = Machine(4, 5, 6)
+    for code, torque in ((RUNS, 20.0), (FAULT, 20.0), (RUNS, 20.0), (FAULT, 60.0)):
+        machine.says[4] = code
+        machine.run(200, access(4, "S-0-0084", torque, unit="%"))
+    found = [(one.kind, round(one.from_s - machine.begin_s, -2), one.outcome) for one in machine.told().episodes]
     lasting = "still so when last read"
-    assert found == [("changed", 200, ""), ("changed", 400, lasting), ("step", 400, lasting)]
+    assert found == [("fault", 200, ""), ("fault", 600, lasting)]  # the step is one with the fault
 
 
 @pytest.mark.parametrize(("first", "outcome"), [(4, "not heard again"), (5, "")])
@@ -233,20 +209,20 @@ def test_the_filter_of_a_silence_finds_all_of_it() -> None:
 
 def test_values_in_the_next_file_of_a_recorder_are_no_step() -> None:
     """The command was written between the two files, and is in neither."""
-    values, now_s = Values(), itertools.count(0, 10)
+    engine, now_s = Engine(), itertools.count(0, 10)
 
     def say(ident: str, value: float) -> None:
-        parameter = Parameter("", "3", 7, ident)
-        access = Access(parameter, ident == "S-0-0036", 16, "", f"{value} rpm", value, None, "", "rpm", "", "")
-        values.add(replace(packet(next(now_s)), accesses=[access]))
+        said = access(3, ident, value, is_write=ident == "S-0-0036")
+        engine.add(packet(next(now_s), accesses=[said]))
 
     for commands in ([1000.0], [], [1200.0]):  # each in a file
-        values.add(replace(packet(next(now_s)), type=EVENT, event=Event.CAPTURE_STARTED, text="a tap; kept: late"))
+        started: dict[str, Any] = {"type": EVENT, "event": Event.CAPTURE_STARTED, "text": f"a tap{KEPT}late"}
+        engine.add(packet(next(now_s), **started))
         for command in commands:
             say("S-0-0036", command)
         for value in scattered(1, 60, *(commands or [1100.0])):
             say("S-0-0040", value)
-    assert list(values.finish()) == []
+    assert not [one for one in engine.finish() if one.kind == "step"]
 
 
 def test_what_a_file_begins_with_again_has_no_rate() -> None:

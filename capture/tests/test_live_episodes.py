@@ -69,7 +69,8 @@ def telegram(master: int, station: int, columns: dict[str, str], *, is_reaction:
 def access(ident: str, value: str, number: float | None = None, *, master: int | None = None) -> Access:
     """Return a read; a write if a master is named."""
     parameter = Parameter("", "3", 7, ident)
-    return Access(parameter, master is not None, master or 16, "", value, number, value, "", "", "", "")
+    data = value.encode().hex()  # whatever it is: another for another value
+    return Access(parameter, master is not None, master or 16, "", value, number, data, "", "", "", "")
 
 
 def speed(rpm: float) -> Access:
@@ -127,47 +128,57 @@ def test_a_new_master_is_told_when_it_comes_and_when_it_comes_back(bus: Bus) -> 
     assert bus.kinds == ["master", "master"]
 
 
+def test_a_token_that_a_new_master_sends_to_another_one_is_no_visit(bus: Bus) -> None:
+    bus.ask(16, master=17)
+    assert bus.told == []
+
+
 def test_a_write_of_a_new_master_is_told_each_time(bus: Bus) -> None:
     bus.exchange(access("S-0-0091", "1", master=16))
     bus.exchange(master=17)
     for value in ("5", "6"):
         bus.exchange(access("S-0-0091", value, master=17))
-    assert bus.kinds == ["write", "master", "write", "write"]
+    assert bus.kinds == ["limit_write", "master", "write", "write"]
 
 
 def test_what_was_never_written_is_told_once_after_a_while() -> None:
+    """But a limit that had another value is told at once."""
     bus = Bus()
     for ident in ("S-0-0036", "S-0-0091", "S-0-0036", "S-0-0091", "S-0-0001"):
         bus.exchange(access(ident, str(bus.now_s), master=16))
         bus.now_s += LIVE.learning_s / 3
-    assert [hit.parameter for hit in bus.told] == ["S-0-0001"]
+    assert [(hit.kind, hit.parameter) for hit in bus.told] == [("limit_write", "S-0-0091"), ("write", "S-0-0001")]
 
 
-def test_a_diagnosis_is_told_at_once(bus: Bus) -> None:
+def test_a_diagnosis_is_told_at_once_and_when_it_ends(bus: Bus) -> None:
     for value in ("0xF2028", "0xF2028", "0xA0101", "0xA0101"):
         bus.now_s += 10
         bus.exchange(access("S-0-0390", value))
-    (hit,) = bus.told
-    assert (hit.kind, hit.from_s, hit.detail) == ("changed", bus.now_s - 30, "0xA0101 -> fault 0xF2028")
+    begun, ended = bus.told
+    assert (begun.kind, begun.from_s, begun.to_s) == ("fault", bus.now_s - 30, bus.now_s - 30)
+    assert (ended.from_s, ended.to_s) == (bus.now_s - 30, bus.now_s - 10)
+    assert {hit.detail for hit in bus.told} == {"F2028 (S-0-0390, before A0101)"}
 
 
 @pytest.mark.parametrize(
-    ("ident", "value", "is_fault"),
+    ("ident", "value", "severity"),
     [
-        ("S-0-0390", "0x000F2028", True),
-        ("S-0-0390", "0xF228", True),  # ECODRIVE03 has two digits after F2
-        ("S-0-0390", "0x000E2050", False),  # a warning
-        ("S-0-0390", "0x000AF228", False),
-        ("S-0-0011", "0xF228", False),  # not a diagnosis
+        ("S-0-0390", "0x000F2028", Severity.ERROR),
+        ("S-0-0390", "0xF228", Severity.ERROR),  # ECODRIVE03 has two digits after F2
+        ("S-0-0390", "0x000E2050", Severity.WARNING),
+        ("S-0-0011", "0x0004", Severity.ERROR),  # each bit is an error
+        ("S-0-0012", "0x0004", Severity.WARNING),
+        ("S-0-0390", "0x000AF228", None),
+        ("P-0-0390", "0xF228", None),  # not a diagnosis
     ],
 )
-def test_a_fault_of_a_drive_is_an_error(bus: Bus, ident: str, value: str, *, is_fault: bool) -> None:
-    for shown in ("0xA0101", "0xA0101", value, "0xA0101", "0xA0101"):
+def test_a_fault_of_a_drive_is_an_error(bus: Bus, ident: str, value: str, severity: Severity | None) -> None:
+    shown = "0x0000" if ident in ("S-0-0011", "S-0-0012") else "0xA0101"
+    for one in (shown, shown, value, shown, shown):
         bus.now_s += 10
-        bus.exchange(access(ident, shown))
-    (hit,) = bus.told
-    assert hit.detail == f"0xA0101 -> {'fault ' if is_fault else ''}{value}"
-    assert severity_of(hit) == (Severity.ERROR if is_fault else Severity.WARNING)
+        bus.exchange(access(ident, one, float(int(one, 0))))
+    found = [severity_of(hit) for hit in bus.told if hit.kind != "changed"]
+    assert found == ([severity] * 2 if severity is not None else [])
 
 
 def test_a_step_is_told_when_it_lasts_and_from_its_beginning(bus: Bus) -> None:
@@ -192,7 +203,8 @@ def test_the_faults_of_a_day_are_forgotten(bus: Bus) -> None:
     for number in range(LIVE.lively * 2):
         bus.now_s += 10
         bus.exchange(access("S-0-0390", f"0x{number % 2}"), speed(1000.0 * (number // 5)))
-    (values,) = (one for parameter, one in bus.live._engine._values.followed() if parameter.ident == "S-0-0390")
+    (engine,) = bus.live._engine._buses.values()
+    (values,) = (one for parameter, one in engine.values.followed() if parameter.ident == "S-0-0390")
     assert len(values.states) <= LIVE.lively + 1
     bus.told = []
     for _ in range(int(2 * DAY_S / 60)):
@@ -200,7 +212,7 @@ def test_the_faults_of_a_day_are_forgotten(bus: Bus) -> None:
         bus.exchange(access("S-0-0390", "0x1"), speed(1000.0))
     bus.told = []
     bus.exchange(access("S-0-0390", "0xF2028"))
-    assert bus.kinds == ["changed"] and len(values.states) == 2
+    assert bus.kinds == ["fault"] and len(values.states) == 2
 
 
 def test_a_silence_of_the_bus_is_told_while_it_lasts(bus: Bus) -> None:

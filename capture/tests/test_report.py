@@ -222,12 +222,12 @@ def test_what_happened(figures: dict[str, Any]) -> None:
     assert episodes == [
         ("interval", "error", [7]),
         ("late", "error", [10]),
-        ("error", "warning", [10, 13]),
-        ("repeated", "warning", [11]),  # and 15, but there something damaged came
+        ("never", "note", [10, 13]),  # both refuse what nobody has ever read
+        ("repeated", "note", [11]),  # and 15, but there something damaged came
         ("interval", "note", [13]),
-        ("line_error", "warning", [14]),
-        ("damaged", "warning", [15]),
-        ("lost", "warning", [17]),
+        ("line_error", "note", [14]),
+        ("damaged", "note", [15]),
+        ("lost", "note", [17]),
     ]
     (interval,) = (episode for episode in figures["episodes"] if episode["packets"] == [7])
     assert (interval["kind"], interval["station"], interval["worst"]) == ("interval", 16, 0.0075)
@@ -246,8 +246,8 @@ def test_what_kept_its_limit_is_below_what_did_not_or_may_not_have(tshark: Tshar
     assert tables.answer(judged)[0].startswith("NOT OK, ")
     unresolved = made(tshark, write(tmp_path / "y", [*limited[:2], *limited[-2:]]))
     first, *_, last = tables.answer(unresolved)
-    assert first.startswith("No fault is certain, ")
-    assert "perhaps 1 reaction later than TrS (station 3, 49.900 ms, TrS 50 ms, " in last
+    assert first.startswith("OK as far as it was judged, ")  # nobody set TzA
+    assert "perhaps 1 reaction later than TrS (49.900 ms, TrS 50 ms, station 3, " in last
 
 
 @pytest.mark.parametrize(
@@ -619,14 +619,14 @@ def test_what_no_limit_judges_is_not_said_to_be_good(tshark: Tshark, tmp_path: P
     """Nothing sets TrS or TzA. To find no fault is no verdict; nor is a 0 in a table of those that exceed it."""
     report = made(tshark, write(tmp_path / "unknown.pcapng", [Sent(READ), Sent(ANSWER)]))
     first, *_, limits = tables.answer(report)
-    assert first.startswith("No fault found, ")
+    assert first.startswith("OK as far as it was judged, ")
     assert limits == "Limits: not judged: reaction times (no TrS), intervals in telegrams (no TzA)."
     assert json.loads(plain.as_json(report))["not_judged"] == [
         "reaction times (no TrS)",
         "intervals in telegrams (no TzA)",
     ]
     assert f'<p class="headline">{limits}</p>' in page.page(report)
-    assert "OK" not in plain.as_text(report)
+    assert "OK, " not in plain.as_text(report)
     assert {row[0]: row[2:5] for row in tables.verdicts(report).rows}[tables._LIMITS["trs"][0]] == ("not judged",) * 3
     assert {row[0]: row[-2:] for row in tables.stations(report).rows} == {
         "3": ("not judged", "not judged"),

@@ -14,8 +14,9 @@ from typing import Protocol
 
 from sistap.annotate.blocks import Blocks
 from sistap.episodes.engine import Engine
-from sistap.episodes.lines import NOT_OK, lines, verdict
-from sistap.episodes.rules import THRESHOLDS, Thresholds
+from sistap.episodes.folding import DAMAGE
+from sistap.episodes.lines import lines
+from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.explain import advice
 from sistap.explain.fields import Fields, Said, said
 from sistap.explain.running import Running
@@ -59,9 +60,13 @@ class WholeCapture:
         return said(columns)
 
     def answer(self) -> list[str]:
-        """Return the five lines that say what happened, if something has to be looked at and the log has times."""
+        """Return the five lines that say what happened, if something has to be looked at and the log has times.
+
+        A log is short: in it, one damaged telegram has to be looked at, too.
+        """
         episodes = self._engine.finish()
-        if not self._times_s or not self._times_s[0] or verdict(episodes) != NOT_OK:
+        is_news = any(one.severity >= Severity.WARNING or one.kind in DAMAGE for one in episodes)
+        if not self._times_s or not self._times_s[0] or not is_news:
             return []
         return [line.text for line in lines(episodes, self._times_s[0], self._times_s[-1])]
 

@@ -17,7 +17,7 @@ from sistap.line.settings import Read
 from sistap.records.assembler import Assembler
 from sistap.records.counters import Counters
 from sistap.records.cut import SIS, Cut
-from sistap.records.record import Event, Record, Type, event
+from sistap.records.record import CLOCK_MOVED, Event, Record, Type, event
 
 
 class Sink(Protocol):
@@ -152,7 +152,7 @@ class Tap:
         if not step_ns or isinstance(self.reader(number), Distant):
             return ""
         text = (
-            f"the wall clock moved by {step_ns / 1e9:+.3f} s (it was set, or the computer slept); "
+            f"{CLOCK_MOVED.format(step_ns / 1e9)} (it was set, or the computer slept); "
             "times in this capture go on without the step"
         )
         self.note(number, Event.MARKER, text)

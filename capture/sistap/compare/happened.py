@@ -14,7 +14,10 @@ from sistap.episodes.episode import Episode
 from sistap.episodes.rules import RULES, Severity, Subject
 
 # Their details say what happened; those of others say how long or how much.
-_TOLD_APART = {"changed", "error", "write", "master", "phase", "rate", "limits"}
+_TOLD_APART = {
+    *("changed", "error", "write", "limit_write", "master", "phase", "rate", "limits"),
+    *("fault", "warning", "exchanged", "conflict", "other"),
+}
 _WORSE = 2  # times as bad as on the good side
 _ORDER = {kind: number for number, kind in enumerate(RULES)}
 
@@ -66,9 +69,14 @@ _Thing = tuple[str, int | None, str, str, bool]
 def _by_thing(episodes: Iterable[Episode]) -> Mapping[_Thing, list[Episode]]:
     found: defaultdict[_Thing, list[Episode]] = defaultdict(list)
     for one in episodes:
-        if one.kind != "gap":  # captures of different days have gaps between them
+        if one.kind != "gap" and not _is_life(one):  # captures of different days have gaps between them
             found[_thing(one)].append(one)
     return found
+
+
+def _is_life(episode: Episode) -> bool:
+    """Tell whether it is only what a machine does all day: it stands, boots, gets a recipe."""
+    return episode.severity < Severity.WARNING and not episode.rule.is_kept
 
 
 def _thing(episode: Episode) -> _Thing:

@@ -26,6 +26,8 @@ POINTS = 72.0  # in an inch
 _GAP = 10.0
 _WORD = 0.6  # width of a letter of size 1
 _MIDDLE = ' text-anchor="middle"'
+_END = ' text-anchor="end"'
+_NEAR_THE_EDGE = 0.98  # of the width of an axis
 _FONT = "DejaVu Sans, Verdana, Arial, sans-serif"
 
 
@@ -199,7 +201,8 @@ def _x_axis(box: _Box) -> Iterator[str]:
     for tick in _inside(panel.x):
         at = box.x(tick.value)
         yield _path([(at, box.bottom), (at, box.bottom + 3)], "line", 0.8)
-        yield _words((at, box.bottom + size * 1.3), tick.words, size, more=_MIDDLE)
+        more = _END if panel.x.place(tick.value) > _NEAR_THE_EDGE else _MIDDLE  # else the words would be cut
+        yield _words((at, box.bottom + size * 1.3), tick.words, size, more=more)
     if panel.x.label:
         down = size * (1.3 + (1.5 if panel.x.ticks else 0.0))
         middle = (box.left + box.right) / 2
@@ -215,7 +218,7 @@ def _y_axis(box: _Box) -> Iterator[str]:
         at = box.y(tick.value)
         if not panel.lanes:
             yield _path([(box.left - 3, at), (box.left, at)], "line", 0.8)
-        yield _words((box.left - 5, at + size * 0.35), tick.words, size, more=' text-anchor="end"')
+        yield _words((box.left - 5, at + size * 0.35), tick.words, size, more=_END)
     for number, line in enumerate(panel.y.label.split("\n") if panel.y.label else ()):
         x, y = box.left - _margin(panel) + size * (1 + 1.3 * number), (box.top + box.bottom) / 2
         yield _words((x, y), line, size, more=f'{_MIDDLE} transform="rotate(-90 {x:.1f} {y:.1f})"')

@@ -1,8 +1,21 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What happened, and when: episodes, made of packets and values as they come, in bounded memory.
 
-The table of the kinds and their thresholds (rules), an episode (episode) and what makes one of many hits (book), what
-looks for them: faults of single telegrams (faults), silences (silence), masters and writes (masters), states of the
-bus and of the tap (states), values (values, with levels and trend), values beside those of a good capture (baseline).
-All of it (engine), also while it happens (live), and the five lines that answer (lines). It may use packets.
+It judges a machine, not numbers. A drive says whether it has a fault (F) or a warning (E); a machine runs, stands, is
+switched off, or boots. What such a state explains is told once, with the state. Three answers: OK; OK, n things to look
+at; NOT OK.
+
+A packet goes through all lookers of its bus (engine):
+
+    states, silence, boots, devices    the tap, the line, and who is there
+    faults, paces, masters, writes     telegrams: times, damage, refusals; who asks, and what is written
+    readings -> machine, diagnoses,    what a value says, also if nobody describes it: whether the machine runs, what
+                values                 a drive says of itself, and (levels, trend) what is not as usual
+
+Each yields hits. Hits of one kind, station and topic that follow one another are an episode (episode, book). At the end
+`folding` tells together what belongs together, and weighs what is bad only in numbers. `lines` makes the five lines,
+`live` tells it while it happens, `baseline` beside a good capture. The table of kinds (rules) is the only place that
+says how bad each is, and what to do; the tables of `folding` say what explains what. It may use packets.
+
+A new kind needs a row in RULES, a looker that yields its hits, and its words in `lines`.
 """

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from sistap.episodes.episode import Hit
 from sistap.episodes.masters import station_of
 from sistap.episodes.rules import Severity
-from sistap.episodes.values import FOLLOWS, Values
+from sistap.episodes.values import Values
+from sistap.sis.standard import FOLLOWS
 
 
 def unlike(good: Values, bad: Values) -> Iterator[Hit]:
@@ -19,8 +20,8 @@ def unlike(good: Values, bad: Values) -> Iterator[Hit]:
         before = usual.get(parameter._replace(port=""))
         if before is None or before.is_written or followed.is_written:
             continue
-        if (before.command is None) != (followed.command is None):
-            continue  # only one side tells what it follows
+        if (before.command is None) != (followed.command is None) or before.unit != followed.unit:
+            continue  # only one side tells what it follows, or how large it is
         if followed.levels.drift():
             continue  # that is told
         beside = "" if followed.command is None else f" beside {FOLLOWS[parameter.ident]}"

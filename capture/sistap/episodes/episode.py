@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
@@ -50,20 +51,24 @@ class Episode:
     packets: list[int]
     outcome: str = ""  # what became of it until the end
     cause: str = ""  # what perhaps brought it about
+    stations: set[int] = field(default_factory=set)
 
     @classmethod
     def of(cls, hit: Hit) -> Episode:
         """Begin one."""
-        return cls(hit, severity_of(hit), hit.from_s, hit.to_s, 1, [hit.packet] if hit.packet else [], hit.outcome)
+        packets = [hit.packet] if hit.packet else []
+        stations = set() if hit.station is None else {hit.station}
+        return cls(hit, severity_of(hit), hit.from_s, hit.to_s, 1, packets, hit.outcome, stations=stations)
 
     def join(self, other: Episode) -> None:
-        """Take in a later one."""
+        """Take in another one, perhaps of another station."""
+        self.stations |= other.stations
         if (other.severity, other.hit.worst or 0) > (self.severity, self.hit.worst or 0):
             self.severity, self.hit = other.severity, other.hit
         self.from_s, self.to_s = min(self.from_s, other.from_s), max(self.to_s, other.to_s)
         self.count += other.count
         self.outcome = other.outcome
-        self.packets += other.packets
+        self.packets = sorted({*self.packets, *other.packets})
         self.packets[PACKETS - 1 : -1] = []
 
     @property
@@ -73,8 +78,13 @@ class Episode:
 
     @property
     def station(self) -> int | None:
-        """Return whose it is; None: of the bus."""
-        return self.hit.station
+        """Return whose it is; None: of the bus, or of several."""
+        return self.hit.station if len(self.stations) < 2 else None
+
+    @property
+    def who(self) -> str:
+        """Return the stations and the parameter it is about."""
+        return " ".join(filter(None, [numbers(self.stations), self.hit.parameter]))
 
     @property
     def rule(self) -> Rule:
@@ -84,8 +94,8 @@ class Episode:
     @property
     def subject(self) -> str:
         """Return its title, with whom it is about."""
-        station = "" if self.station is None else f"station {self.station}"
-        return " ".join(filter(None, [f"{self.rule.title}{',' if station else ''}", station, self.hit.parameter]))
+        stations = numbers(self.stations)
+        return " ".join(filter(None, [f"{self.rule.title}{',' if stations else ''}", stations, self.hit.parameter]))
 
     @property
     def text(self) -> str:
@@ -107,12 +117,19 @@ class Episode:
     def filter(self) -> str:
         """Return the display filter that finds its packets."""
         if not self.packets:
-            return f'sis.parameter == "{self.hit.parameter}" && sis.talker == {self.station} && sis.value'
+            return self._filter_of_values
         if len(self.packets) == 1 and self.lasts and self.rule.filter:
             return self.filter_by_time
         if len(self.packets) < PACKETS or not self.rule.filter:
             return f"frame.number in {{{', '.join(map(str, self.packets))}}}"
         return f"frame.number >= {self.packets[0]} && frame.number <= {self.packets[-1]} && ({self.rule.filter})"
+
+    @property
+    def _filter_of_values(self) -> str:
+        talkers = " || ".join(f"sis.talker == {station}" for station in sorted(self.stations))
+        if not self.hit.parameter:
+            return self.filter_by_time
+        return " && ".join(filter(None, [f'sis.parameter == "{self.hit.parameter}"', f"({talkers})", "sis.value"]))
 
     @property
     def filter_by_time(self) -> str:
@@ -126,6 +143,7 @@ class Episode:
             "kind": self.kind,
             "severity": self.severity.name.lower(),
             "station": self.station,
+            "stations": sorted(self.stations),
             "parameter": self.hit.parameter or None,
             "from": utc(self.from_s),
             "to": utc(self.to_s),
@@ -133,7 +151,13 @@ class Episode:
             "worst": self.hit.worst,
             "packets": self.packets,
             "text": self.text,
+            "do": self.rule.do,
         }
+
+
+def numbers(stations: Collection[int]) -> str:
+    """Write which stations: "station 3", "stations 3, 4"; nothing for none."""
+    return f"station{'s' * (len(stations) > 1)} {', '.join(map(str, sorted(stations)))}" if stations else ""
 
 
 def utc(epoch_s: float) -> str | None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from sistap.episodes.engine import Engine
-from sistap.episodes.episode import Hit, severity_of
+from sistap.episodes.episode import Hit
 from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Thresholds
 from sistap.packets.dissection import Packet, Telegram
 from sistap.records.record import KEPT, Event
@@ -63,9 +63,10 @@ class Live:
                 self._asked[asked] = packet, telegram
 
     def _matters(self, hit: Hit) -> bool:
-        if severity_of(hit) < Severity.WARNING and hit.kind not in _CERTAIN:
-            return False
         rule = RULES[hit.kind]
+        is_unsure = hit.severity is not None and hit.severity < Severity.WARNING
+        if not rule.is_kept or (is_unsure and hit.kind not in _CERTAIN):
+            return False
         if not rule.goes_on:
             return True
         key = hit.kind, hit.port, hit.station, hit.topic

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Who asks on the bus, and what they write."""
+"""Who asks on the bus: usual masters, visitors, masters that vanish."""
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 
-from sistap.accesses.access import Access, Parameter
-from sistap.accesses.listing import MOST, Present, order
-from sistap.episodes.episode import ARROW, Hit
-from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
-from sistap.packets.dissection import Packet
+from sistap.accesses.access import Parameter
+from sistap.episodes.episode import Hit, numbers
+from sistap.episodes.rules import THRESHOLDS, Thresholds
+from sistap.packets.dissection import Packet, Telegram
+
+_TOKEN = 0x0F
+_LONG_S = 3.0  # a bus that says nothing for longer is silent: then no master is missing
+_SINCE = 50  # commands of others after which a master that is not heard is missing
 
 
 def station_of(parameter: Parameter) -> int:
@@ -18,124 +21,115 @@ def station_of(parameter: Parameter) -> int:
     return int(parameter.station.partition("/")[0])
 
 
+@dataclass
+class _Master:
+    """What is known of a master. Its clock stands still while the bus is silent."""
+
+    packet: int
+    from_s: float
+    to_s: float
+    is_usual: bool
+    at_s: float  # of its last command, by that clock
+    longest_s: float = 0.0  # pause
+    commands: int = 0
+    stations: set[int] = field(default_factory=set)
+    before: int = 0  # commands of all until its last one
+    read: int = 0  # parameters
+    written: int = 0
+
+
 class Masters:
-    """The masters of a port."""
+    """The masters of a bus."""
 
     def __init__(self, thresholds: Thresholds = THRESHOLDS, before: Masters | None = None) -> None:
         """Begin with those that asked in a good capture, or with none."""
+        self._thresholds = thresholds
         self._usual: set[int] = set(before.asked) if before else set()
-        self._learning = 0 if self._usual else thresholds.learning_commands
-        self.asked: set[int] = set()
+        self._is_learning = not self._usual
+        self._invited: set[int] = set()  # who got a token
+        self._masters: dict[int, _Master] = {}
+        self._commands = 0
+        self._began_s: float | None = None
+        self._last_s = 0.0
+        self._silent_s = 0.0  # for so long was the bus silent
+        self._begun: list[Hit] = []
+
+    @property
+    def asked(self) -> set[int]:
+        """Return the masters that asked."""
+        return set(self._masters)
 
     def is_new(self, master: int | None) -> bool:
         """Tell whether it asked neither at the beginning nor in the good capture. Who asks in ASCII is not known."""
         return master is not None and master not in self._usual
 
     def add(self, packet: Packet) -> Iterable[Hit]:
-        """Return commands of a new master."""
-        hits: list[Hit] = []
+        """Learn who asks."""
+        if self._began_s is None:
+            self._began_s = self._last_s = packet.epoch_s
+        if packet.epoch_s - self._last_s > _LONG_S:
+            self._silent_s += packet.epoch_s - self._last_s
+        self._last_s = packet.epoch_s
         for telegram in packet.telegrams:
-            if not telegram.good or telegram.is_reaction or telegram.talker is None:
+            if telegram.good and not telegram.is_reaction and telegram.talker is not None:
+                self._take(packet, telegram, telegram.talker)
+        return ()
+
+    def _take(self, packet: Packet, telegram: Telegram, number: int) -> None:
+        self._commands += 1
+        if self._is_learning:
+            self._usual.add(number)
+            is_long = self._last_s - (self._began_s or 0.0) >= self._thresholds.learning_masters_s
+            self._is_learning = self._commands < self._thresholds.learning_commands or not is_long
+        now_s = self._last_s - self._silent_s
+        master = self._masters.get(number)
+        if master is None:
+            is_usual = number in self._usual
+            master = self._masters[number] = _Master(packet.number, packet.epoch_s, 0.0, is_usual, now_s)
+        master.longest_s = max(now_s - master.at_s, master.longest_s)
+        master.at_s, master.to_s, master.before = now_s, packet.ended_s, self._commands
+        master.commands += 1
+        if telegram.listener is not None:
+            master.stations.add(telegram.listener)
+            if telegram.service == _TOKEN:
+                self._invited.add(telegram.listener)
+        if master.commands == self._thresholds.learning_commands and number in self._invited:
+            self._usual.add(number)  # a control that takes turns with another one
+        if not master.is_usual and telegram.listener not in self._usual:  # to a master: a token
+            place = packet.number, packet.epoch_s, packet.ended_s, telegram.listener
+            detail = f"asked by new master {number}"
+            self._begun.append(Hit("master", *place, detail=detail, port=packet.interface, topic=str(number)))
+
+    def count(self, master: int | None, *, is_write: bool) -> None:
+        """Count an access of a master."""
+        known = None if master is None else self._masters.get(master)
+        if known:
+            known.written += is_write
+            known.read += not is_write
+
+    def begun(self) -> list[Hit]:
+        """Return the commands of new masters since it was asked last."""
+        begun, self._begun = self._begun, []
+        return begun
+
+    def finish(self, port: str) -> Iterator[Hit]:
+        """Yield the visits of new masters, and masters that are not heard any more."""
+        for number, master in self._masters.items():
+            if not master.is_usual:
+                if master.stations - self._usual:
+                    yield _visit(port, number, master)
                 continue
-            self.asked.add(telegram.talker)
-            if self._learning:
-                self._learning -= 1
-                self._usual.add(telegram.talker)
-            elif self.is_new(telegram.talker) and telegram.listener not in self._usual:  # to a master: a token
-                place = packet.number, packet.epoch_s, packet.ended_s, telegram.listener
-                detail, topic = f"asked by new master {telegram.talker}", str(telegram.talker)
-                hits.append(Hit("master", *place, detail=detail, port=packet.interface, topic=topic))
-        return hits
+            missed_s = self._last_s - self._silent_s - master.at_s
+            usual_s = self._thresholds.vanished_times * master.longest_s
+            is_missed = missed_s > max(self._thresholds.vanished_s, usual_s)
+            is_known = master.commands >= self._thresholds.learning_commands
+            if is_missed and is_known and self._commands - master.before >= _SINCE:
+                detail = f"asks nothing any more, others do ({master.commands} commands until then)"
+                at = self._last_s - missed_s if missed_s < self._last_s - master.to_s else master.to_s
+                yield Hit("vanished", 0, at, self._last_s, None, "", f"master {number} {detail}", missed_s, port=port)
 
 
-class Writes:
-    """What is written by somebody new, or is usually not written."""
-
-    def __init__(self, masters: Masters, thresholds: Thresholds = THRESHOLDS, before: Writes | None = None) -> None:
-        """Begin with nothing written; what was written in a good capture is usually written."""
-        self._thresholds = thresholds
-        self._masters = masters
-        self._usual: set[Parameter] = before.written if before else set()
-        self._known = before.values() if before else {}
-        self.written: set[Parameter] = set()  # without the port: tomorrow the tap may be at another one
-        self._present: dict[Parameter, Present] = {}
-        self._told: dict[str, Present] = {}  # by the topic of its hits
-        self._rare: defaultdict[Parameter, list[Hit]] = defaultdict(list)  # the first writes of usual masters
-        self.first: list[Hit] = []  # those in the last packet that changed what was never written
-
-    def add(self, packet: Packet) -> Iterable[Hit]:
-        """Return writes of new masters."""
-        hits: list[Hit] = []
-        if self.first:
-            self.first = []
-        for access in packet.accesses:
-            if access.error:
-                continue
-            present = self._of(access.parameter)
-            before = present.value if present else None
-            is_change = present is not None and present.follow(access)
-            if not access.is_write:
-                continue
-            parameter = access.parameter._replace(port="")
-            is_first = parameter not in self.written and len(self.written) < MOST
-            if is_first:
-                self.written.add(parameter)
-            was = before or self._known.get(parameter) if is_change else access.value
-            hit = self._hit(packet, access, was)
-            is_new = self._masters.is_new(access.master)
-            if is_first and is_change and not is_new:
-                self.first.append(hit)
-            if is_new:
-                hits.append(hit)
-            elif (
-                parameter not in self._usual
-                and len(self._rare) < MOST
-                and len(self._rare[access.parameter]) <= self._thresholds.rare_writes
-            ):
-                self._rare[access.parameter].append(hit if is_change else hit._replace(kind=""))
-        return hits
-
-    def _of(self, parameter: Parameter) -> Present | None:
-        present = self._present.get(parameter)
-        if present is None and len(self._present) < MOST:
-            present = self._present[parameter] = Present(parameter)
-        return present
-
-    def values(self) -> dict[Parameter, str | None]:
-        """Return the values known at the end, without ports."""
-        ordered = sorted(self._present.values(), key=lambda present: order(present.parameter))
-        return self._known | {present.parameter._replace(port=""): present.value for present in ordered}
-
-    def outcome(self, hit: Hit) -> str:
-        """Say what the parameter of a write has at the end; nothing if nobody knows."""
-        written = hit.detail.rpartition(" by ")[0].rpartition(ARROW)[2]
-        present = self._told.get(hit.topic)
-        if present is None or present.value is None:
-            return ""
-        return "still set at the end" if present.value == written else f"at the end {present.value}"
-
-    def _hit(self, packet: Packet, access: Access, before: str | None) -> Hit:
-        was = f"{before}{ARROW}" if before is not None else ""
-        who = "new " if self._masters.is_new(access.master) else ""
-        topic = f"{access.parameter} {access.master}"
-        present = self._of(access.parameter)
-        if present:
-            self._told[topic] = present
-        return Hit(
-            "write",
-            packet.number,
-            packet.epoch_s,
-            packet.ended_s,
-            station_of(access.parameter),
-            access.parameter.ident,
-            f"{was}{access.value or 'another value'} by {who}{'' if access.master is None else 'master '}{access.by}",
-            access.number,
-            port=packet.interface,
-            topic=topic,
-        )
-
-    def finish(self) -> Iterator[Hit]:
-        """Yield changes by usual masters of what is rarely written."""
-        for hits in self._rare.values():
-            if len(hits) <= self._thresholds.rare_writes:
-                yield from (hit._replace(severity=Severity.NOTE) for hit in hits if hit.kind)
+def _visit(port: str, number: int, master: _Master) -> Hit:
+    said = f"master {number} asked {numbers(master.stations)}"
+    did = f"{said}: {master.commands} commands, {master.read} values read, {master.written} written"
+    return Hit("master", master.packet, master.from_s, master.to_s, None, "", did, port=port, topic=str(number))

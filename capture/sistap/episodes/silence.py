@@ -17,6 +17,7 @@ from sistap.wireshark.rows import EVENT
 _USUAL = 200  # silences that say what is usual
 _ENOUGH, _FEW = 20, 3  # with fewer, it is not certain, or not known at all
 _TIMES_HEARD = 2  # a bus that was heard for less than so many silences may pause as long as usual
+_LONG_HEARD_S = 900.0  # a bus that was heard for longer is known
 _LONG_KEPT = 40  # long silences among which a rhythm is looked for
 
 
@@ -93,7 +94,8 @@ class BusSilence:
 
     def _is_known(self, begin_s: float, silence_s: float) -> bool:
         """Tell whether the bus was heard for long enough to know what is usual."""
-        return len(self._usual) >= _ENOUGH and begin_s - self._began_s >= _TIMES_HEARD * silence_s
+        heard_s = begin_s - self._began_s
+        return len(self._usual) >= _ENOUGH and heard_s >= min(_TIMES_HEARD * silence_s, _LONG_HEARD_S)
 
     def _is_in_rhythm(self, begin_s: float, silence_s: float) -> bool:
         long = _Long(silence_s, begin_s - self._long_s)
@@ -136,9 +138,11 @@ class StationSilence:
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return silences that end with a packet."""
         hits: list[Hit] = list(self._part(packet.interface)) if packet.is_kept_apart else []
-        if packet.type != EVENT and not any(telegram.good for telegram in packet.telegrams):
+        telegrams = packet.telegrams
+        is_good = telegrams and telegrams[0].good  # nearly always
+        if not is_good and packet.type != EVENT and not any(telegram.good for telegram in telegrams):
             self._pending = None  # what came may have been the reaction
-        for telegram in packet.telegrams:
+        for telegram in telegrams:
             if telegram.good:
                 self._resolve()
                 if telegram.is_reaction:
@@ -152,7 +156,7 @@ class StationSilence:
     def finish(self, port: str) -> Iterator[Hit]:
         """Yield silences that last to the end."""
         for hit in self._last(port):
-            was_heard = hit.kind == "silent" and hit.severity is None
+            was_heard = hit.kind == "silent" and hit.severity is None  # else it never answered
             yield hit._replace(outcome="not heard again") if was_heard else hit
 
     def _last(self, port: str) -> Iterator[Hit]:
@@ -209,7 +213,7 @@ class StationSilence:
         if asked.count >= self._thresholds.silent_commands and lasted_s >= self._thresholds.silent_s:
             kind, detail = "silent", f"{seconds(lasted_s)}, {asked.count} commands without a reaction"
             if not asked.has_answered:
-                detail, severity = f"never answered {asked.count} commands", Severity.NOTE
+                detail, severity = f"never answered {asked.count} commands", Severity.WARNING
         elif asked.repeats:
             kind, detail = "repeated", "a command without a reaction"
         yield Hit(kind, asked.first, asked.from_s, asked.to_s, station, "", detail, float(asked.count), severity, port)

@@ -11,11 +11,11 @@ from sistap.episodes.episode import ARROW, Hit
 from sistap.episodes.faults import slave
 from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.packets.dissection import Packet, Telegram
-from sistap.records.record import Event
+from sistap.records.record import CLOCK_MOVED, Event
 from sistap.wireshark.rows import EVENT
 
-_SWITCH = 0x1D  # the service that switches phases
-_JUMPED = re.compile(r"system time jumped by ([-+][\d.]+) s")
+_SWITCH = {0x1D, 0x8D, 0x9D}  # the services that switch phases
+_MOVED = re.compile(CLOCK_MOVED.replace("{:+.3f}", r"([-+][\d.]+)") + r"|system time jumped by ([-+][\d.]+) s")
 
 
 def _hit(kind: str, packet: Packet, station: int | None, detail: str) -> Hit:
@@ -44,12 +44,12 @@ class Phases:
         if station is None:
             return
         before = self._phases.get(station, "")
-        if telegram.service == _SWITCH:
+        if telegram.service in _SWITCH:
             self._switched_s[station] = packet.epoch_s
         elif packet.epoch_s - self._switched_s.get(station, -math.inf) < self._thresholds.switching_s:
             return
         self._phases[station] = phase
-        if before != phase and (before or telegram.service == _SWITCH):
+        if before != phase and (before or telegram.service in _SWITCH):
             yield _hit("phase", packet, station, f"{before or 'unknown'}{ARROW}{phase}")
 
 
@@ -95,7 +95,7 @@ class Limits:
 def _changed(packet: Packet, station: int, name: str, before_s: float | None, limit_s: float) -> Iterator[Hit]:
     if before_s is not None:
         change = f"{name} {before_s * 1e3:g}{ARROW}{limit_s * 1e3:g} ms"
-        yield _hit("limits", packet, station, change)._replace(topic=name)
+        yield _hit("limits", packet, station, change)._replace(topic=change)
 
 
 class Tap:
@@ -128,9 +128,10 @@ class Tap:
         elif packet.event == Event.CAPTURE_STARTED and end_s is not None and not packet.is_again:
             hit = _hit("gap", packet, None, f"{packet.epoch_s - end_s:.0f} s between two captures")
             yield hit._replace(from_s=min(end_s, packet.epoch_s))
-        elif jumped := _JUMPED.search(packet.text):
-            hit = _hit("clock", packet, None, f"{jumped[1]} s; the times of the capture go on without the jump")
-            yield hit._replace(worst=float(jumped[1]), severity=Severity.NOTE)
+        elif moved := _MOVED.search(packet.text):
+            step = moved[1] or moved[2]
+            hit = _hit("clock", packet, None, f"{step} s; the times of the capture go on without the jump")
+            yield hit._replace(worst=float(step), severity=Severity.NOTE)
 
     def _jump(self, packet: Packet, jump_s: float) -> Hit:
         return _hit("clock", packet, None, f"{jump_s:+.0f} s")._replace(

@@ -20,7 +20,7 @@ from sistap.line.settings import Flag
 from sistap.packets.apart import PACKED, apart, beside
 from sistap.packets.kept import Kept, Span
 from sistap.records.record import INTERVAL_MAX, KEPT, Event
-from sistap.sis.faults import FAULTS, Fault
+from sistap.sis.faults import FAULTS, SIGNS, Fault
 from sistap.wireshark import rows
 from sistap.wireshark.rows import EVENT, JOINT, NECESSARY, NO_DISSECTOR, damage, first, told
 from sistap.wireshark.tshark import Tshark, TsharkError
@@ -73,6 +73,9 @@ _SHOWN = (
     "sis.bus.load",
     "sis.phase",
     "sis.parameter",
+    "sis.firmware",
+    "sis.type_key",
+    *SIGNS,
     PACKED,
     ACCESSES,
 )
@@ -104,6 +107,7 @@ _TRUE = {"1", "True"}
 LOST = int(Flag.LOST_BEFORE)  # in the errors of a packet
 _LONGEST_S = INTERVAL_MAX / 1e9  # a record has no longer interval
 _LOAD_S = 1.0  # over which the dissector measures the load of the bus; at first over less, 100 % to begin with
+_SAID = {"error_reaction", "system_error"}  # faults that a telegram tells
 _CONTROL_ERROR = 6  # status bits of the edition ECODRIVE03: error
 _LINE_ERRORS = (
     ("sertap.error.character", int(Flag.CHARACTER_ERROR)),
@@ -155,6 +159,7 @@ class Telegram:
     pause_position: int | None  # of the character after it, from 1
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
     faults: Sequence[Fault] = ()  # its own; where it is alone in its packet, those of the packet
+    signs: Sequence[str] = ()  # kinds of episodes that an expert item alone tells
 
 
 @dataclass(slots=True)
@@ -404,6 +409,7 @@ class _AlikeTelegram(NamedTuple):
             bool(get("sis.command.unanswered")),
             first(get("sis.phase", "")),
             any(verdict in DOUBTFUL for _, verdict in limits),
+            signs=tuple(dict.fromkeys(kind for field, kind in SIGNS.items() if get(field))),
         )
         return cls(make, _faults(columns), *limits)
 
@@ -497,7 +503,10 @@ def _parts(columns: Mapping[str, str]) -> Sequence[Mapping[str, str]]:
 
 
 def _faults(columns: Mapping[str, str]) -> Sequence[Fault]:
-    return tuple(fault for fault in FAULTS if rows.passes(fault.tests, columns))
+    """Return the faults of a telegram. What a damaged one says may be damaged, too."""
+    found = tuple(fault for fault in FAULTS if rows.passes(fault.tests, columns))
+    is_damaged = any(fault.name == "damaged" for fault in found)
+    return tuple(fault for fault in found if fault.name not in _SAID) if is_damaged else found
 
 
 def _making(columns: Mapping[str, str], faults: Sequence[Fault]) -> Callable[..., Packet]:

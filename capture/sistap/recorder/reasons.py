@@ -11,13 +11,16 @@ from typing import NamedTuple
 from sistap.explain.relay import Judged
 from sistap.files import pcapng
 from sistap.sis.faults import WRITE
+from sistap.sis.standard import FORMS
 from sistap.terminal.exits import UsageError
 from sistap.wireshark import rows
 from sistap.wireshark.tshark import Tshark
 
 FAULTS = "faults"  # by the episodes
 NOTHING = "nothing"  # the full ring is enough
-FILTERS = {"writes": WRITE.filter}  # ready-made ones
+_CYCLIC = ", ".join(f'"{ident}"' for ident, form in FORMS.items() if form == "control_word")
+# Ready-made ones. A master control word is written in every cycle: that is no news.
+FILTERS = {"writes": f"({WRITE.filter}) && !(sis.parameter in {{{_CYCLIC}}})"}
 _MARK = ("frame.number", "data.data")
 _LONGEST = 40  # characters of the word
 

@@ -15,6 +15,7 @@ HEADER = struct.Struct(">BBBBIBBBBIHH")
 MAX_CHARACTERS = 43_000  # 6 bytes for each: Wireshark refuses a file with a packet above 262,144 bytes
 INTERVAL_MAX = 0xFFFFFFFF
 KEPT = "; kept: "  # in the text that starts a file of the recorder: nothing from before it was kept
+CLOCK_MOVED = "the wall clock moved by {:+.3f} s"  # in the text of a marker: times of the capture go on without it
 LARGEST_RATE = 0xFFFFFFFF
 _NO_ERROR = Flag(0)
 _NO_ERRORS = bytes(flags for flags in range(256) if not flags & ERROR_FLAGS)

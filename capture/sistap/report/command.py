@@ -16,9 +16,10 @@ from sistap.captures.reading import NotCaptured
 from sistap.captures.since import Since
 from sistap.common.writing import Incomplete, NotOpened, opened
 from sistap.draw.svg import stacked
+from sistap.episodes.engine import Engine
 from sistap.episodes.options import add_rule
 from sistap.report import plain, windows
-from sistap.report.gather import Report, gather
+from sistap.report.gather import Report, gather, learned
 from sistap.report.page import page
 from sistap.report.plots import drawings
 from sistap.report.windows import Window
@@ -44,6 +45,7 @@ examples:
   sistap report day.pcapng                                the page report.html in this folder
   sistap report day.pcapng -o day.html --window 40.2+0.5  half a second in full detail, from 40.2 s on
   sistap report ring/*.pcapng -o night.html               the files of a ring, as one capture
+  sistap report today.pcapng --baseline good.pcapng       beside a good day
   sistap report --since 22:00 --format text FOLDER        last night from a recorder's folder, as a mail for cron
   sistap report day.pcapng -o day.svg                     the pictures alone
   sistap report day.pcapng --format text                  the tables alone, on standard output
@@ -133,6 +135,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="tell what happened from TIME on: 06:00, a date, or so long before the end of the last CAPTURE: 30m, 8h, "
         "2d; what came before only says what is usual",
     )
+    parser.add_argument(
+        "--baseline",
+        metavar="CAPTURE",
+        type=Path,
+        action="append",
+        default=[],
+        help="a capture of a good day: its masters, writes, refusals, values and drifts are usual; can be given "
+        "several times",
+    )
     add_rule(parser)
     parser.add_argument(
         "--title",
@@ -165,6 +176,7 @@ def run(args: argparse.Namespace) -> int:
         name = _format(args)
         left_out = _Noting(console)
         args.captures = check_captures(args.captures, left_out, args.output)
+        args.baseline = check_captures(args.baseline, left_out, args.output) if args.baseline else []
         _write(args, name, console, left_out)
     except (UsageError, NotACapture, NotCaptured, NotOpened) as error:
         console.say(str(error))
@@ -208,15 +220,23 @@ def _gather(args: argparse.Namespace, console: Console, left_out: _Noting, *, ha
     name = several if len(captures) > 1 else captures[0].name
     progress(f"reading {name}")
     with Tshark() as tshark, closing(portions.in_turn(captures, portions.TOGETHER, left_out)) as files:
-        report = gather(
-            tshark, files, args.window, progress, limits_ms, since_s, args.thresholds, has_windows=has_windows
-        )
+        before = _before(args, tshark, left_out)
+        known = limits_ms, since_s, args.thresholds, before
+        report = gather(tshark, files, args.window, progress, *known, has_windows=has_windows)
     report.name, report.files, report.left_out = visible(name), len(captures), left_out.noted
     if console.shows_progress:
         console.progress("")
     if report.warning:
         console.say(f"{captures[0]}: the report is of what comes before the damage: {report.warning}")
     return report
+
+
+def _before(args: argparse.Namespace, tshark: Tshark, left_out: _Noting) -> Engine | None:
+    """Return what knows the good captures, if there are any."""
+    if not args.baseline:
+        return None
+    with closing(portions.in_turn(in_order(args.baseline), portions.TOGETHER, left_out)) as files:
+        return learned(tshark, files, args.thresholds)
 
 
 def _silent(text: str) -> None:

@@ -25,9 +25,9 @@ def parameters(report: Report) -> list[Listed]:
 
 def happened(report: Report, parameter: Parameter) -> Iterator[int]:
     """Yield the places of the episodes of a parameter."""
-    own = parameter.port, station_of(parameter), parameter.ident
+    own, station = (parameter.port, parameter.ident), station_of(parameter)
     for number, episode in enumerate(report.episodes[:EPISODES]):
-        if (episode.hit.port, episode.station, episode.hit.parameter) == own:
+        if (episode.hit.port, episode.hit.parameter) == own and station in episode.stations:
             yield number
 
 

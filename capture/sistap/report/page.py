@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from html import escape
 
 import sistap
@@ -54,6 +55,8 @@ code { background: var(--shade); padding: .1rem .3rem; border-radius: .2rem; use
 .answer li { margin: .35rem 0; }
 .answer span { white-space: nowrap; }
 a { color: inherit; text-decoration-color: var(--line); }
+.severity { display: inline-block; margin: 0 1rem .5rem 0; }
+#only-error:checked ~ .scroll tr:is(.warning, .note), #only-look:checked ~ .scroll tr.note { display: none; }
 tr:target { background: var(--shade); outline: .15rem solid var(--command); }
 .remarks { padding: .6rem 1rem .6rem 2rem; background: var(--shade); border-left: .3rem solid var(--line); }
 footer { margin-top: 3rem; font-size: .85rem; border-top: 1px solid var(--line); }
@@ -79,6 +82,12 @@ footer { margin-top: 3rem; font-size: .85rem; border-top: 1px solid var(--line);
 }
 """
 
+# What a reader may want to see: name, words, severities.
+_CHOICES = (
+    ("all", "All", {"error", "warning", "note", "info"}),
+    ("only-look", "Errors, and what is to be looked at", {"error", "warning"}),
+    ("only-error", "Errors", {"error"}),
+)
 _LONG = 40  # characters in a cell that may be folded
 _KEY = (
     "A bar is a telegram. Each stroke in it is a character, at the time at which it was read. Red is a limit that was "
@@ -101,8 +110,9 @@ _VALUES = (
     "sis.value.number."
 )
 _TIMELINE = (
-    "A bar is an episode: high and red for an error, low and red for a warning, grey for a note. A wide, pale bar "
-    "lasts that long. A click leads to its row, which has its display filter."
+    "A bar is an episode: high and red for an error, low and red for what is to be looked at, grey for a note. A wide, "
+    "pale bar lasts that long; a thin line is a drift. Where the ground is grey, the machine stood or was off. A click "
+    "leads to its row, which has its display filter."
 )
 _PAUSES = (
     "The smallest safe TzA is the whole number of ms that every telegram of the capture surely kept. A longer capture "
@@ -188,12 +198,26 @@ def _table(table: Table, note: str = "") -> str:
     heads = "".join(f'<th scope="col">{escape(head)}</th>' for head in table.heads)
     head = f"<thead><tr>{heads}</tr></thead>" if heads else ""
     rows = "\n".join(
-        f"<tr{f' id={table.anchor}{number}' if table.anchor else ''}>{''.join(_cells(table, number))}</tr>"
-        for number in range(len(table.rows))
+        f"<tr{_names(table, number)}>{''.join(_cells(table, number))}</tr>" for number in range(len(table.rows))
     )
     text = "".join(f"<p>{escape(one)}</p>" for one in (note, table.note) if one)
-    return (
-        f'<h2>{escape(table.title)}</h2>{text}<div class="scroll"><table>{head}<tbody>\n{rows}\n</tbody></table></div>'
+    body = f'<div class="scroll"><table>{head}<tbody>\n{rows}\n</tbody></table></div>'
+    choice = _choice(table.kinds) if len(set(table.kinds)) > 1 else ""
+    return f"<h2>{escape(table.title)}</h2>{text}<div>{choice}{body}</div>"
+
+
+def _names(table: Table, row: int) -> str:
+    """Write by what a row is found, and by what it is hidden."""
+    name = f" id={table.anchor}{row}" if table.anchor else ""
+    return f'{name} class="{table.kinds[row]}"' if table.kinds else name
+
+
+def _choice(kinds: Sequence[str]) -> str:
+    """Write what chooses the rows that are shown; the style does it, without a script."""
+    return "".join(
+        f'<input type="radio" name="severity" id="{name}"{" checked" if name == "all" else ""}/> '
+        f'<label class="severity" for="{name}">{escape(words)} ({sum(kind in shown for kind in kinds)})</label>'
+        for name, words, shown in _CHOICES
     )
 
 

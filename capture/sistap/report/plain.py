@@ -8,6 +8,8 @@ import textwrap
 from typing import Any
 
 from sistap.accesses.listing import Listed
+from sistap.episodes.lines import things
+from sistap.episodes.rules import Severity
 from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED, Packet
 from sistap.packets.distribution import Distribution
 from sistap.report import tables
@@ -63,15 +65,24 @@ def as_json(report: Report) -> str:
 
 
 def _report(report: Report) -> dict[str, Any]:
-    figures = report.figures
+    figures, answer = report.figures, report.answer
+    told = {id(one) for line in answer for phrase in line.phrases for one in (phrase.episode, *phrase.others)}
+    severities = [one.severity for one in report.episodes]
+    in_time = sorted(report.episodes, key=lambda one: one.from_s)
     return {
         "capture": report.name,
         "warning": report.warning,
         "left_out": report.left_out,
         "missing_fields": report.missing,
+        "ok": Severity.ERROR not in severities,
+        "look": things(report.episodes),
+        "counts": {
+            severity.name.lower(): severities.count(severity)
+            for severity in (Severity.ERROR, Severity.WARNING, Severity.NOTE)
+        },
         "answer": tables.answer(report),
         "not_judged": unjudged(report.figures),
-        "episodes": [episode.as_json() for episode in report.episodes],
+        "episodes": [one.as_json() | {"told": id(one) in told} for one in in_time],
         "began_epoch_s": figures.first_epoch_s,
         "duration_s": figures.duration_s,
         "ports": list(figures.interfaces),

@@ -47,28 +47,36 @@ _WIDE_IN, _NARROW_IN = 10.0, 5.2
 _RED_PT = 1.5
 _LANE_IN = 0.25  # of the timeline: with the answer it has to fit on the screen of a laptop
 _THIN = 0.12  # a drift lasts as long as the capture: what is beside it has to be seen
+_STANDING = {"stopped", "off"}  # behind all lanes
+_PALE = 0.18
 _LEAST_SHOWN = 0.003  # of the width: a shorter episode could not be seen
 
 
 def timeline(report: Report) -> Drawing | None:
-    """Every episode, in the lane of its station."""
+    """Every episode, in the lanes of its stations; a machine that stands, behind all of them."""
     if not report.episodes:
         return None
     begin_s = min(report.figures.first_epoch_s or 0.0, *(one.from_s for one in report.episodes))
     end_s = max(begin_s + report.figures.duration_s, *(one.to_s for one in report.episodes))
-    stations = sorted({one.station for one in report.episodes if one.station is not None})
+    stations = sorted({station for one in report.episodes for station in one.stations})
     lanes: list[int | None] = [None, *stations][: 2 * _LANES]
 
     def draw() -> list[list[Panel]]:
         panel = Panel(x=times_of_day(begin_s, end_s))
         least_s = (end_s - begin_s) * _LEAST_SHOWN
-        for number, one in enumerate(report.episodes[:EPISODES_SHOWN]):
-            if one.station in lanes:
-                role = "bad" if one.severity >= Severity.WARNING else "other"
-                until_s, opacity = max(one.to_s, one.from_s + least_s), 0.5 if one.to_s - one.from_s > least_s else 1.0
-                lane, height = -lanes.index(one.station), _height(one)
-                link = f"#{ANCHOR}{number}"
-                panel.add(Bar(one.from_s, until_s, lane, height, role, opacity, link=link, tip=one.text))
+        shown = list(enumerate(report.episodes[:EPISODES_SHOWN]))
+        for number, one in sorted(shown, key=lambda each: each[1].kind not in _STANDING):
+            lasts = one.to_s - one.from_s > least_s
+            role = "bad" if one.severity >= Severity.WARNING else "other"
+            base, height, opacity = 0.0, _height(one), 0.5 if lasts else 1.0
+            own: list[int | None] = [*one.stations] if one.stations else [None]
+            of = [lanes.index(lane) for lane in own if lane in lanes]
+            if one.kind in _STANDING:
+                of, base, height, opacity = [len(lanes) - 1], -0.1, len(lanes) * 1.0, _PALE
+            for lane in of:
+                at = base - lane, height, role, opacity
+                until_s, link = max(one.to_s, one.from_s + least_s), f"#{ANCHOR}{number}"
+                panel.add(Bar(one.from_s, until_s, *at, link=link, tip=one.text))
         panel.name_lanes(["the bus" if lane is None else f"station {lane}" for lane in lanes])
         return [[panel]]
 

@@ -75,6 +75,7 @@ class Table(NamedTuple):
     code: int | None = None  # the column with display filters
     anchor: str = ""  # the beginning of the names by which its rows are found
     links: Mapping[tuple[int, int], str] = MappingProxyType({})  # by row and column, the name of what they lead to
+    kinds: Sequence[str] = ()  # of its rows, by which the page can hide them
     note: str = ""  # stands between the heading and the rows
 
 
@@ -111,7 +112,7 @@ def legend(report: Report) -> str:
 
 
 def episodes(report: Report) -> Table:
-    """All episodes, in the order of their time."""
+    """All episodes, the worst first."""
     begin_s = report.figures.first_epoch_s or 0.0
     time_of_day = clock_of(begin_s, begin_s + report.figures.duration_s, most_s=DAY_S)
     rows = [
@@ -119,10 +120,11 @@ def episodes(report: Report) -> Table:
             time_of_day(one.from_s),
             seconds(one.to_s - one.from_s) if one.lasts else "",
             one.severity.name.lower(),
-            "" if one.station is None else str(one.station),
+            ", ".join(map(str, sorted(one.stations))),
             one.rule.title,
             one.hit.parameter,
             one.detail,
+            one.rule.do,
             str(one.count),
             one.filter if report.files == 1 else one.filter_by_time,
         )
@@ -130,13 +132,15 @@ def episodes(report: Report) -> Table:
     ]
     left_out = max(len(report.episodes) - EPISODES_SHOWN, 0)
     title = "What happened" + (f" (and {left_out} more)" if left_out else "")
-    heads = ("From", "Duration", "Severity", "Station", "What", "Parameter", "Details", "Count", "Display filter")
+    named = ("Station", "What", "Parameter", "Details", "What to do", "Count", "Display filter")
+    heads = ("From", "Duration", "Severity", *named)
+    kinds = [one.severity.name.lower() for one in report.episodes[:EPISODES_SHOWN]]
     links = {
         (row, _PARAMETER_OF_EPISODE): place
         for parameter, place in curved.places(report).items()
         for row in curved.happened(report, parameter)
     }
-    return Table(title, heads, rows, code=8, anchor=ANCHOR, links=links)
+    return Table(title, heads, rows, code=9, anchor=ANCHOR, links=links, kinds=kinds)
 
 
 def summary(report: Report) -> Table:

@@ -13,7 +13,7 @@ from sistap.line.settings import Flag
 from sistap.packets.dissection import EXCEEDED, OK, UNRESOLVED, Judged, Packet, Telegram
 from sistap.records.record import Event
 from sistap.sis.telegram import service_name
-from sistap.wireshark.rows import EVENT, JOINT
+from sistap.wireshark.rows import EVENT, JOINT, OTHER
 
 # Fields besides those of a Packet.
 FIELDS = ("sis.value", "sis.value.number", "sis.error", "sertap.character")
@@ -24,6 +24,11 @@ _REMEMBERED = 2048  # packets that are not alike
 # Numbers: the operators of an enum take as long as a whole row.
 _CHARACTER_ERRORS = int(Flag.CHARACTER_ERROR | Flag.UNLOCATED_ERROR)
 _BREAK, _LOST = int(Flag.BREAK), int(Flag.LOST_BEFORE)
+
+
+# What stands in the place of a telegram of which only characters are left: nobody knows whose it was.
+_UNKNOWN: tuple[Any, ...] = (None, None, None, None, None, None, None)
+_DESTROYED = (Telegram(False, None, None, None, False, None, False, False, False, False, "", False, *_UNKNOWN),)
 
 
 class NoSuchTime(Exception):
@@ -47,7 +52,7 @@ class Rows:
     def of(self, packet: Packet) -> Iterator[Row]:
         """Yield the rows of a packet. Raise NoSuchTime."""
         epoch_ns = _epoch_ns(packet)
-        for number, telegram in enumerate(packet.telegrams):
+        for number, telegram in enumerate(packet.telegrams or (_DESTROYED if packet.type == OTHER else ())):
             known = self._known.get((packet.alike, number))
             if known is None:
                 known = self._work_out(packet, telegram, number)
@@ -147,7 +152,7 @@ def _own(packet: Packet, telegram: Telegram, epoch_ns: int) -> dict[str, Any]:
         "tmas_limit_s": cycle.limit_s,
         "tmas_verdict": _VERDICTS.get(cycle.verdict),
         "uncertainty_s": packet.uncertainty_s,
-        "raw": _characters(packet) if len(packet.telegrams) == 1 else None,
+        "raw": _characters(packet) if len(packet.telegrams) < 2 else None,  # noqa: PLR2004 - telegrams
     }
 
 
