@@ -5366,7 +5366,9 @@ do
           answer(record, from.last, number, telegram)
           return
         end
-        bus.damaged_count = bus.damaged_count + 1 -- its contents are lost to others, as if it were damaged, too
+        if needs_reaction(from.telegram) then
+          bus.damaged_count = bus.damaged_count + 1 -- its contents are lost, as if it were damaged, too
+        end
       end
     end
     if is_answer_to_damage(bus, telegram) then
@@ -5656,8 +5658,8 @@ do
   -- began it, begun_in, last_in: the latest piece, damaged_count: of its bus, then, is_broken: a piece may be missing,
   -- and the pieces are no longer put together, pieces: {frame, length}, whole_in, bytes: of the whole, received: bytes,
   -- announced: bytes, by the length words of a list (nil: nothing was), length_words: as they stand, cancelled_in: a
-  -- command since the latest piece, without a reaction yet, is_refused: with 0xF8, so that it begins anew or goes on,
-  -- is_doubtful: a cancel had no reaction, and nothing tells whether it began anew or went on, is_begun_anew}. A step
+  -- command since the latest piece, not confirmed yet, is_refused: with 0xF8, so that it begins anew or goes on,
+  -- is_doubtful: a cancel was not confirmed, and nothing tells whether it began anew or went on, is_begun_anew}. A step
   -- keeps the one that it is a piece of.
 
   -- Useful data, or data reassembled from pieces: {tvb, offset, length, bytes}. A whole has its tvb only with a tree.
@@ -5819,8 +5821,8 @@ do
     }
   end
 
-  -- After 0xF8, or a cancel without a reaction, a transfer restarts with its length words, or continues. The announced
-  -- length decides whether it can continue. If neither fits, pieces are missing.
+  -- After 0xF8, or a cancel that was not confirmed, a transfer restarts with its length words, or continues. The
+  -- announced length decides whether it can continue. If neither fits, pieces are missing.
   local function follow_break(transfer, body, is_last)
     local bytes, begun = S.data(body).bytes, transfer
     local received = transfer.received + #bytes
@@ -5962,7 +5964,7 @@ do
       S.mark(body, E.sequence_piece_missing, "a piece may be missing")
     end
     if step.is_doubtful then
-      S.mark(body, E.body_note, "a cancel had no reaction: it is not known whether the transfer goes on")
+      S.mark(body, E.body_note, "a cancel was not confirmed: it is not known whether the transfer goes on")
     end
     if step.is_piece_missing or step.is_piece_repeated or not transfer.whole_in then
       return nil
@@ -6103,8 +6105,18 @@ do
     return true
   end
 
+  -- Not executed, because the channel was busy or the command was damaged (0xF1, 0xF2, 0xF4): it will be repeated.
+  local function is_to_be_repeated(body)
+    local status = body.status
+
+    return (status == 0x02 and body.error ~= CANCELLED)
+      or body.error == SERVICE_CHANNEL_BUSY
+      or body.error == PARAMETER_OCCUPIED
+      or (status >= 0xF1 and status <= 0xF4)
+  end
+
   -- A broadcast is not answered: each station obeys. A command to one station, or a group, leaves it open. After a
-  -- telegram error it was not executed (chapter 2.3).
+  -- telegram error it was not executed (chapter 2.3), nor while the channel was busy.
   local function cancel_transfer(body, transfer)
     local exchange = body.record.exchange
     local kind = S.receiver_kind(byte(exchange.from.path, -1))
@@ -6114,7 +6126,8 @@ do
       end_with_note(body, transfer, "cancelled")
     elseif not body.is_reaction then
       transfer.cancelled_in = transfer.cancelled_in or exchange.command_in
-    elseif body.status >= TELEGRAM_ERROR and transfer.cancelled_in == exchange.command_in then
+    elseif (body.status >= TELEGRAM_ERROR or is_to_be_repeated(body))
+      and transfer.cancelled_in == exchange.command_in then
       transfer.cancelled_in = nil
     end
   end
@@ -6159,16 +6172,6 @@ do
         place = place + 1
       end
     end
-  end
-
-  -- Not executed, because the channel was busy or the command was damaged (0xF1, 0xF2, 0xF4): it will be repeated.
-  local function is_to_be_repeated(body)
-    local status = body.status
-
-    return (status == 0x02 and body.error ~= CANCELLED)
-      or body.error == SERVICE_CHANNEL_BUSY
-      or body.error == PARAMETER_OCCUPIED
-      or (status >= 0xF1 and status <= 0xF4)
   end
 
   local function watch_access(body, asked)

@@ -245,6 +245,18 @@ LISTS: Table = {
     133: "phase.switch_in=130; phase.switch_time=0.094479161",
 }
 
+# The transfer goes on; only after a cancel that failed (status 1) nobody knows it.
+UNHARMED: Table = {
+    2: "data=4142; sequence.whole_in=6",
+    6: "data=4344,41424344; sequence.piece=2,6; sequence.length=4",
+    8: "data=4142; sequence.whole_in=12",
+    12: "data=4344,41424344; sequence.piece=8,12; sequence.length=4",
+    14: "data=4142; sequence.whole_in=18",
+    18: "data=4344,41424344; sequence.piece=14,18; sequence.length=4; body.note",
+    20: "data=4142; sequence.whole_in=30",
+    30: "data=4344,41424344; sequence.piece=20,30; sequence.length=4",
+}
+
 # The values that are read and written; none where a piece may be missing, or belongs to another transfer.
 LIST_ACCESSES = {
     4: "01020304",
@@ -314,6 +326,10 @@ def test_longest_list(tshark: Tshark, tmp_path: Path) -> None:
         for number, piece in enumerate(pieces[:-1]):
             whole = {"sequence.whole_in": str(2 + 2 * len(pieces))} if passes else {}
             assert frames[4 + 2 * number] == {"data": piece.hex()} | whole
+
+
+def test_what_does_not_end_a_transfer(tshark: Tshark) -> None:
+    check(tshark, "sequences-unharmed", FIELDS, f"{EXPERTS} body.note", UNHARMED)
 
 
 def test_last_piece_without_data_ends_a_reading(tshark: Tshark) -> None:

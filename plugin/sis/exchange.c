@@ -368,7 +368,8 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
             !is_reaction_to(stream->from[direction].bytes, stream->from[direction].length, tvb, telegram))
             continue;
         if (is_over(exchange)) {
-            stream->bus->damaged_count++; /* its contents are lost to others, as if it were damaged, too */
+            if (exchange->needs_reaction)
+                stream->bus->damaged_count++; /* its contents are lost, as if it were damaged, too */
             continue;
         }
         record->exchange = exchange;

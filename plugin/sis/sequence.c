@@ -34,10 +34,10 @@ typedef struct sis_transfer {
     uint32_t pieces;        /* reassembled so far */
     uint32_t announced;     /* bytes, by the length words of a list; 0: unknown */
     uint32_t length_words;  /* as they are, if a length is known */
-    uint32_t cancelled_in;  /* a command since the latest piece, without a reaction yet; 0: none */
+    uint32_t cancelled_in;  /* a command since the latest piece, not confirmed yet; 0: none */
     bool is_broken;         /* a piece may be missing: reassembly has ended */
     bool is_refused;        /* after 0xF8: it restarts or continues */
-    bool is_doubtful; /* a cancel had no reaction, and nothing tells whether it restarted or continued */
+    bool is_doubtful; /* a cancel was not confirmed, and nothing tells whether it restarted or continued */
     bool is_begun_anew;
 } transfer_t;
 
@@ -208,8 +208,8 @@ begin_transfer(transfer_t *transfer, const sis_body_t *body)
     transfer->is_broken = false;
 }
 
-/* After 0xF8, or a cancel without a reaction, a transfer restarts with its length words, or continues. The
- * announced length decides whether it can continue. If neither fits, pieces are missing. */
+/* After 0xF8, or a cancel that was not confirmed, a transfer restarts with its length words, or continues.
+ * The announced length decides whether it can continue. If neither fits, pieces are missing. */
 static void
 follow_break(transfer_t *transfer, const sis_body_t *body, bool is_last)
 {
@@ -323,7 +323,7 @@ put_together(sis_body_t *body, tvbuff_t *piece, unsigned number, bool is_last)
         sis_mark(body, &ei_sis_sequence_piece_missing, "a piece may be missing");
     if (step->is_doubtful)
         sis_mark(body, &ei_sis_body_note,
-                 "a cancel had no reaction: it is not known whether the transfer goes on");
+                 "a cancel was not confirmed: it is not known whether the transfer goes on");
     if (step->is_piece_missing || step->is_piece_repeated)
         return NULL;
     whole =
@@ -450,8 +450,17 @@ is_cancelled(const sis_request_t *cancel, const transfer_t *transfer)
     return true;
 }
 
+/* A reaction that says that the command was not executed, because the channel was busy or the command was
+ * damaged (0xF1, 0xF2, 0xF4): it will be repeated. */
+static bool
+is_to_be_repeated(const sis_body_t *body)
+{
+    return (body->status == 0x02 && body->error != CANCELLED) || body->error == SERVICE_CHANNEL_BUSY ||
+           body->error == PARAMETER_OCCUPIED || (body->status >= 0xF1 && body->status <= 0xF4);
+}
+
 /* A broadcast is not answered: each station obeys. A command to one station, or a group, leaves it open.
- * After a telegram error it was not executed (chapter 2.3). */
+ * After a telegram error it was not executed (chapter 2.3), nor while the channel was busy. */
 static void
 cancel_transfer(const sis_body_t *body, transfer_t *transfer)
 {
@@ -462,7 +471,8 @@ cancel_transfer(const sis_body_t *body, transfer_t *transfer)
         end_with_note(body, transfer, "cancelled");
     else if (!body->is_reaction && transfer->cancelled_in == 0)
         transfer->cancelled_in = exchange->command_in;
-    else if (body->status >= TELEGRAM_ERROR && transfer->cancelled_in == exchange->command_in)
+    else if ((body->status >= TELEGRAM_ERROR || is_to_be_repeated(body)) &&
+             transfer->cancelled_in == exchange->command_in)
         transfer->cancelled_in = 0;
 }
 
@@ -517,16 +527,11 @@ watch_access(const sis_body_t *body, sis_request_t *asked)
 {
     transfer_t like = transfer_of(asked, is_in_list(body));
     transfer_t *transfer = *find_transfer(body->record->exchange, &like);
-    /* Not executed, because the channel was busy or the command was damaged (0xF1, 0xF2, 0xF4): it will be
-     * repeated. */
-    bool is_to_be_repeated = (body->status == 0x02 && body->error != CANCELLED) ||
-                             body->error == SERVICE_CHANNEL_BUSY || body->error == PARAMETER_OCCUPIED ||
-                             (body->status >= 0xF1 && body->status <= 0xF4);
 
-    asked->is_to_be_repeated = is_to_be_repeated;
+    asked->is_to_be_repeated = is_to_be_repeated(body);
     if (body->status == 0)
         end_others(body, &like);
-    else if (transfer != NULL && !is_to_be_repeated)
+    else if (transfer != NULL && !asked->is_to_be_repeated)
         refuse(body, transfer, asked);
 }
 
