@@ -5658,8 +5658,8 @@ do
   -- began it, begun_in, last_in: the latest piece, damaged_count: of its bus, then, is_broken: a piece may be missing,
   -- and the pieces are no longer put together, pieces: {frame, length}, whole_in, bytes: of the whole, received: bytes,
   -- announced: bytes, by the length words of a list (nil: nothing was), length_words: as they stand, cancelled_in: a
-  -- command since the latest piece, not confirmed yet, is_refused: with 0xF8, so that it begins anew or goes on,
-  -- is_doubtful: a cancel was not confirmed, and nothing tells whether it began anew or went on, is_begun_anew}. A step
+  -- command since the latest piece, not confirmed yet, begun_after: the list of services that begins it behind a cancel,
+  -- is_refused: with 0xF8, so that it begins anew or goes on, is_doubtful: a cancel was not confirmed, and nothing tells whether it began anew or went on, is_begun_anew}. A step
   -- keeps the one that it is a piece of.
 
   -- Useful data, or data reassembled from pieces: {tvb, offset, length, bytes}. A whole has its tvb only with a tree.
@@ -5839,7 +5839,7 @@ do
       begun.is_begun_anew = transfer.is_begun_anew
     end
     begun.is_doubtful = transfer.is_doubtful
-    begun.is_refused, begun.cancelled_in = nil, nil
+    begun.is_refused, begun.cancelled_in, begun.begun_after = nil, nil, transfer.begun_after
     replace(transfers_of(transfer.exchange), transfer, begun)
     replace(transfer.exchange.from.stream.bus.open, transfer, begun)
     return begun
@@ -5858,12 +5858,16 @@ do
     return transfer
   end
 
-  -- The transfer of a new piece; nil: it has none, because it is the only piece.
+  -- The transfer of a new piece; nil: it has none, because it is the only piece. Behind a cancel in the same list,
+  -- written data begin anew.
   local function transfer_for(body, like, is_last)
     local exchange = body.record.exchange
     local transfer = find_transfer(exchange, like)
+    local is_after = transfer and not body.is_reaction and transfer.cancelled_in == exchange.command_in
 
-    if transfer then
+    if is_after then
+      end_with_note(body, transfer, "cancelled")
+    elseif transfer then
       local is_open = transfer.is_refused or transfer.cancelled_in
 
       return is_open and follow_break(transfer, body, is_last) or transfer
@@ -5873,6 +5877,7 @@ do
     if is_last and not is_apart then return nil end
     transfer = open_transfer(body, like)
     transfer.is_broken = is_apart or nil -- it may be a later piece of those
+    transfer.begun_after = is_after and exchange.command_in or nil
     return transfer
   end
 
@@ -6115,6 +6120,13 @@ do
       or (status >= 0xF1 and status <= 0xF4)
   end
 
+  -- Whether a transfer began behind this cancel, in the same list, or the one which that list repeats.
+  local function is_begun_after(transfer, cancel, is_reaction)
+    local list_in = (cancel.first or cancel).command_in
+
+    return transfer.begun_after == list_in and not transfer.cancelled_in and (is_reaction or cancel.first)
+  end
+
   -- A broadcast is not answered: each station obeys. A command to one station, or a group, leaves it open. After a
   -- telegram error it was not executed (chapter 2.3), nor while the channel was busy.
   local function cancel_transfer(body, transfer)
@@ -6122,7 +6134,9 @@ do
     local kind = S.receiver_kind(byte(exchange.from.path, -1))
     local is_broadcast = kind == K.LEVEL_BROADCAST or kind == K.GLOBAL_BROADCAST
 
-    if body.is_reaction and body.status == 0 or not body.is_reaction and is_broadcast then
+    if is_begun_after(transfer, exchange, body.is_reaction) then
+      transfer.is_broken = transfer.is_broken or body.status ~= 0 -- perhaps it did not begin there
+    elseif body.is_reaction and body.status == 0 or not body.is_reaction and is_broadcast then
       end_with_note(body, transfer, "cancelled")
     elseif not body.is_reaction then
       transfer.cancelled_in = transfer.cancelled_in or exchange.command_in
@@ -6187,6 +6201,14 @@ do
     end
   end
 
+  -- Nobody knows which command an element answers: it may have a piece of any transfer of its service.
+  local function lose_piece(body)
+    effects = effects + 1
+    for _, transfer in ipairs(transfers_of(body.record.exchange)) do
+      if transfer.is_in_list and transfer.service == body.service then transfer.is_broken = true end
+    end
+  end
+
   -- The reaction to a service, or to a list that was refused with it.
   local function watch_reaction(body, asked)
     if asked.service == K.CANCEL_SERVICE then
@@ -6201,6 +6223,7 @@ do
     local is_without_elements = body.status >= TELEGRAM_ERROR or body.error ~= 0
 
     if not body.is_reaction and body.service == K.CANCEL_SERVICE then watch_cancel(body, body.request) end
+    if body.is_reaction and not body.asked and body.element ~= 0 then lose_piece(body) end
     if not body.is_reaction or not body.asked then return end
     if body.service ~= K.LIST_SERVICE then
       watch_reaction(body, body.asked)

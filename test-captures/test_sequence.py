@@ -257,6 +257,29 @@ UNHARMED: Table = {
     30: "data=4344,41424344; sequence.piece=20,30; sequence.length=4",
 }
 
+LISTS_ANEW: Table = {
+    1: "data=4142",
+    3: "data=4546; sequence.whole_in=5; sequence.begun_in=1; sequence.ended",
+    5: "data=4748,45464748; sequence.piece=3,5; sequence.length=4",
+    7: "data=4142",
+    9: "data=4546; sequence.whole_in=12; sequence.begun_in=7; sequence.ended",
+    10: "data=4546",
+    12: "data=4748,45464748; sequence.piece=9,12; sequence.length=4",
+    14: "data=4142",
+    16: "data=4546; sequence.begun_in=14; sequence.ended",
+    18: "data=4748; sequence.piece_missing",
+    # The third element gives the first up
+    20: "data=4142,4546; sequence.whole_in=22; sequence.begun_in=20; sequence.ended",
+    22: "data=4748,45464748; sequence.piece=20,22; sequence.length=4",
+    24: "data=4142",
+    26: "data=4546; sequence.begun_in=24; sequence.ended",
+    27: "sequence.begun_in=26; sequence.ended",
+    28: "data=4748",
+    31: "data=4142,6162",
+    33: "data=4344",
+    35: "data=4546,6566; sequence.piece_missing",
+}
+
 # The values that are read and written; none where a piece may be missing, or belongs to another transfer.
 LIST_ACCESSES = {
     4: "01020304",
@@ -330,6 +353,10 @@ def test_longest_list(tshark: Tshark, tmp_path: Path) -> None:
 
 def test_what_does_not_end_a_transfer(tshark: Tshark) -> None:
     check(tshark, "sequences-unharmed", FIELDS, f"{EXPERTS} body.note", UNHARMED)
+
+
+def test_lists_in_which_the_order_counts(tshark: Tshark) -> None:
+    check(tshark, "lists-anew", LIST_FIELDS, EXPERTS, LISTS_ANEW)
 
 
 def test_last_piece_without_data_ends_a_reading(tshark: Tshark) -> None:

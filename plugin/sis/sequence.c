@@ -35,6 +35,7 @@ typedef struct sis_transfer {
     uint32_t announced;     /* bytes, by the length words of a list; 0: unknown */
     uint32_t length_words;  /* as they are, if a length is known */
     uint32_t cancelled_in;  /* a command since the latest piece, not confirmed yet; 0: none */
+    uint32_t begun_after;   /* the list of services that begins it behind a cancel; 0: none */
     bool is_broken;         /* a piece may be missing: reassembly has ended */
     bool is_refused;        /* after 0xF8: it restarts or continues */
     bool is_doubtful; /* a cancel was not confirmed, and nothing tells whether it restarted or continued */
@@ -229,15 +230,19 @@ follow_break(transfer_t *transfer, const sis_body_t *body, bool is_last)
     transfer->cancelled_in = 0;
 }
 
-/* The transfer of a new piece; NULL: it has none, because it is the only piece. */
+/* The transfer of a new piece; NULL: it has none, because it is the only piece. Behind a cancel in the same
+ * list, written data begin anew. */
 static transfer_t *
 transfer_for(const sis_body_t *body, const transfer_t *like, bool is_last)
 {
     const sis_exchange_t *exchange = body->record->exchange;
     transfer_t *transfer = *find_transfer(exchange, like);
+    bool is_after = transfer != NULL && !body->is_reaction && transfer->cancelled_in == exchange->command_in;
     bool is_apart;
 
-    if (transfer != NULL) {
+    if (is_after) {
+        end_with_note(body, transfer, "cancelled");
+    } else if (transfer != NULL) {
         if (transfer->is_refused || transfer->cancelled_in != 0)
             follow_break(transfer, body, is_last);
         return transfer;
@@ -248,6 +253,7 @@ transfer_for(const sis_body_t *body, const transfer_t *like, bool is_last)
     transfer = open_transfer(body, like);
     begin_transfer(transfer, body);
     transfer->is_broken = is_apart; /* it may be a later piece of those */
+    transfer->begun_after = is_after ? exchange->command_in : 0;
     return transfer;
 }
 
@@ -459,6 +465,16 @@ is_to_be_repeated(const sis_body_t *body)
            body->error == PARAMETER_OCCUPIED || (body->status >= 0xF1 && body->status <= 0xF4);
 }
 
+/* Whether a transfer began behind this cancel, in the same list, or the one which that list repeats. */
+static bool
+is_begun_after(const transfer_t *transfer, const sis_exchange_t *cancel, bool is_reaction)
+{
+    bool is_again = cancel->first != NULL;
+    uint32_t list_in = is_again ? cancel->first->command_in : cancel->command_in;
+
+    return transfer->begun_after == list_in && transfer->cancelled_in == 0 && (is_reaction || is_again);
+}
+
 /* A broadcast is not answered: each station obeys. A command to one station, or a group, leaves it open.
  * After a telegram error it was not executed (chapter 2.3), nor while the channel was busy. */
 static void
@@ -467,7 +483,10 @@ cancel_transfer(const sis_body_t *body, transfer_t *transfer)
     const sis_exchange_t *exchange = body->record->exchange;
     sis_address_kind_t kind = sis_receiver_kind(exchange->station);
 
-    if (body->is_reaction ? body->status == 0 : kind == SIS_LEVEL_BROADCAST || kind == SIS_GLOBAL_BROADCAST)
+    if (is_begun_after(transfer, exchange, body->is_reaction))
+        transfer->is_broken |= body->status != 0; /* perhaps it did not begin there */
+    else if (body->is_reaction ? body->status == 0
+                               : kind == SIS_LEVEL_BROADCAST || kind == SIS_GLOBAL_BROADCAST)
         end_with_note(body, transfer, "cancelled");
     else if (!body->is_reaction && transfer->cancelled_in == 0)
         transfer->cancelled_in = exchange->command_in;
@@ -535,6 +554,15 @@ watch_access(const sis_body_t *body, sis_request_t *asked)
         refuse(body, transfer, asked);
 }
 
+/* Nobody knows which command an element answers: it may have a piece of any transfer of its service. */
+static void
+lose_piece(const sis_body_t *body)
+{
+    for (transfer_t *transfer = *transfers_of(body->record->exchange); transfer != NULL;
+         transfer = transfer->next)
+        transfer->is_broken |= transfer->is_in_list && transfer->service == body->service;
+}
+
 /* The reaction to a service, or to a list that was refused with it. */
 static void
 watch_reaction(const sis_body_t *body, sis_request_t *asked)
@@ -552,6 +580,8 @@ watch(const sis_body_t *body)
 
     if (!body->is_reaction && body->service == SIS_CANCEL)
         watch_cancel(body, body->request);
+    if (body->is_reaction && body->asked == NULL && body->element != 0)
+        lose_piece(body);
     if (!body->is_reaction || body->asked == NULL)
         return;
     if (body->service != SIS_LIST)
