@@ -28,7 +28,6 @@ from report_capture import (
     write,
 )
 from sharkd import Sharkd
-
 from sistap.captures.portions import Portion
 from sistap.common.writing import Incomplete
 from sistap.episodes.rules import Severity
@@ -201,6 +200,8 @@ def test_what_came_in_one_read_is_judged_but_has_no_reaction_time(tshark: Tshark
     assert page.page(report)
     figures = json.loads(plain.as_json(report), parse_constant=pytest.fail)
     assert [one["times"] for one in figures["services"]] == [{"count": 0}]
+    (late_one,) = (one for one in report.episodes if one.kind == "late")
+    assert (late_one.hit.detail, late_one.hit.worst) == ("perhaps: not measured, TrS 50 ms", None)
 
 
 def test_stations(figures: dict[str, Any]) -> None:

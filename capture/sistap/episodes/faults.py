@@ -128,8 +128,8 @@ def _limits(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
             kind,
             packet,
             slave(telegram) if kind == "cycle" else telegram.talker,
-            f"{perhaps}{ms(judged.time_s)}{position}{limit}{master}",
-            worst=judged.time_s,
+            f"{perhaps}{ms(judged.time_s) if judged.time_s else 'not measured'}{position}{limit}{master}",
+            worst=judged.time_s or None,
             severity=None if judged.verdict == EXCEEDED else Severity.NOTE,
             topic=perhaps,
         )
