@@ -5658,9 +5658,9 @@ do
   -- began it, begun_in, last_in: the latest piece, damaged_count: of its bus, then, is_broken: a piece may be missing,
   -- and the pieces are no longer put together, pieces: {frame, length}, whole_in, bytes: of the whole, received: bytes,
   -- announced: bytes, by the length words of a list (nil: nothing was), length_words: as they stand, cancelled_in: a
-  -- command since the latest piece, not confirmed yet, begun_after: the list of services that begins it behind a cancel,
-  -- is_refused: with 0xF8, so that it begins anew or goes on, is_doubtful: a cancel was not confirmed, and nothing tells whether it began anew or went on, is_begun_anew}. A step
-  -- keeps the one that it is a piece of.
+  -- command since the latest piece, not confirmed yet, begun_after: the list of services that begins it behind a
+  -- cancel, is_refused: with 0xF8, so that it begins anew or goes on, is_doubtful: a cancel was not confirmed, and
+  -- nothing tells whether it began anew or went on, is_begun_anew}. A step keeps the one that it is a piece of.
 
   -- Useful data, or data reassembled from pieces: {tvb, offset, length, bytes}. A whole has its tvb only with a tree.
   function S.data(body)
