@@ -33,7 +33,8 @@ address = 4
 [[master]]
 address = 16
 script = [
-    { set = "TrS", ms = 50, station = 255, device = 0 },
+    { set = "TrS", ms = 50, station = 3 },
+    { set = "TrS", ms = 50, station = 4 },
     { set = "accept", station = 255, device = 0 },
     { read = "S-0-0091", station = 4 },
     WRITE
@@ -169,7 +170,7 @@ def test_a_master_of_the_good_side_is_not_new(tmp_path: Path) -> None:
     good = write(tmp_path / "good.pcapng", [Sent(READ), Sent(ANSWER), *by_17])
     told = as_json(tmp_path, good, write(tmp_path / "bad.pcapng", [*by_18, *usual, *by_17]))
     (new,) = (one["text"] for one in told["episodes"] if one["kind"] == "master")
-    assert new == "New master: master 18 asked station 3: 1 commands, 1 values read, 0 written"
+    assert new == "New master: master 18 asked station 3: 1 command, 1 value read, 0 written"
 
 
 @pytest.mark.thorough

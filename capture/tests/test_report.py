@@ -28,6 +28,7 @@ from report_capture import (
     write,
 )
 from sharkd import Sharkd
+
 from sistap.captures.portions import Portion
 from sistap.common.writing import Incomplete
 from sistap.episodes.rules import Severity

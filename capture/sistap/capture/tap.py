@@ -151,10 +151,8 @@ class Tap:
         step_ns = CLOCK.step_ns()
         if not step_ns or isinstance(self.reader(number), Distant):
             return ""
-        text = (
-            f"{CLOCK_MOVED.format(step_ns / 1e9)} (it was set, or the computer slept); "
-            "times in this capture go on without the step"
-        )
+        moved = f"{CLOCK_MOVED.format(step_ns / 1e9)} (it was set, or the computer slept)"
+        text = f"{moved}; times in this capture go on without the step"
         self.note(number, Event.MARKER, text)
         return text
 

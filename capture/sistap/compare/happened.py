@@ -16,8 +16,9 @@ from sistap.episodes.rules import RULES, Severity, Subject
 # Their details say what happened; those of others say how long or how much.
 _TOLD_APART = {
     *("changed", "error", "write", "limit_write", "master", "phase", "rate", "limits"),
-    *("fault", "warning", "exchanged", "conflict", "other"),
+    *("fault", "warning", "exchanged", "conflict", "other", "busy", "never"),
 }
+_ERRORS = {"error", "busy", "never"}
 _WORSE = 2  # times as bad as on the good side
 _ORDER = {kind: number for number, kind in enumerate(RULES)}
 
@@ -81,7 +82,7 @@ def _is_life(episode: Episode) -> bool:
 
 def _thing(episode: Episode) -> _Thing:
     kind, hit = episode.kind, episode.hit
-    parameter = hit.parameter if kind != "error" else ""  # the same error of several parameters
+    parameter = hit.parameter if kind not in _ERRORS else ""  # the same error of several parameters
     what = hit.detail if kind in _TOLD_APART else ""
     return kind, episode.station, parameter, what, episode.severity >= Severity.WARNING
 

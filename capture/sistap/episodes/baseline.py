@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from sistap.episodes.episode import Hit
 from sistap.episodes.masters import station_of
 from sistap.episodes.rules import Severity
+from sistap.episodes.standard import FOLLOWS
 from sistap.episodes.values import Values
-from sistap.sis.standard import FOLLOWS
 
 
 def unlike(good: Values, bad: Values) -> Iterator[Hit]:

@@ -10,8 +10,8 @@ from sistap.accesses.access import Access
 from sistap.episodes.episode import Hit
 from sistap.episodes.masters import station_of
 from sistap.episodes.readings import Reading, class_of, code_of
+from sistap.episodes.standard import FORMS
 from sistap.packets.dissection import Packet
-from sistap.sis.standard import FORMS
 
 STILL = "still so when last read"
 _KINDS = {"F": "fault", "E": "warning"}

@@ -24,11 +24,11 @@ from sistap.episodes.paces import Paces
 from sistap.episodes.readings import reading
 from sistap.episodes.rules import THRESHOLDS, Thresholds
 from sistap.episodes.silence import BusSilence, StationSilence
+from sistap.episodes.standard import FOLLOWS
 from sistap.episodes.states import Limits, Phases, Rate, Tap
 from sistap.episodes.values import Values
 from sistap.episodes.writes import Writes
 from sistap.packets.dissection import Packet, Telegram
-from sistap.sis.standard import FOLLOWS
 from sistap.wireshark.rows import FRAME
 
 _REMEMBERED = 4096

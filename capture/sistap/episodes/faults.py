@@ -190,7 +190,7 @@ class Refusals:
         if len(self._refused) < MOST:
             self._refused.add(key)
         if access.error.startswith(_BUSY):
-            return hit_of("busy", packet, station_of(access.parameter), what, parameter=access.parameter.ident)
+            return hit_of("busy", packet, station_of(access.parameter), what, **more)
         is_new = access.is_write or access.parameter in self._good
         kind = "error" if is_new and key not in self._usual else "never"
         return hit_of(kind, packet, station_of(access.parameter), what, **more)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from sistap.episodes.episode import ARROW, Episode
 from sistap.episodes.rules import Severity, Thresholds
-from sistap.sis.standard import FOLLOWS
+from sistap.episodes.standard import FOLLOWS
 
 SOON_S = 60.0  # values of a panel are read so late; a cause and its effect are so far apart
 _BOOT_S = 180.0  # from the end of a silence to the first initialisation

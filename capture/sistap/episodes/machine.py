@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from sistap.episodes.readings import Reading, code_of, is_running
-from sistap.sis.standard import FOLLOWS, FORMS
+from sistap.episodes.standard import FOLLOWS, FORMS
 
 MOST = 2000  # changes that are remembered
 _ENABLED = 0xE000  # bits 15 to 13 of the master control word

@@ -131,5 +131,9 @@ class Masters:
 
 def _visit(port: str, number: int, master: _Master) -> Hit:
     said = f"master {number} asked {numbers(master.stations)}"
-    did = f"{said}: {master.commands} commands, {master.read} values read, {master.written} written"
+    did = f"{said}: {_count(master.commands, 'command')}, {_count(master.read, 'value')} read, {master.written} written"
     return Hit("master", master.packet, master.from_s, master.to_s, None, "", did, port=port, topic=str(number))
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'s' * (number != 1)}"

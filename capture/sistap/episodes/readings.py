@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from sistap.accesses.access import Access
-from sistap.sis.standard import FORMS
+from sistap.episodes.standard import FORMS
 
 RAW = "raw"  # unit of what nobody describes
 _DIGITS = 2  # hexadecimal, of a byte

@@ -221,7 +221,6 @@ RULES: Mapping[str, Rule] = MappingProxyType(
             "A station was busy, and the master has to ask again. Severities as of damaged.",
             "Look who else asks this station.",
             filter=_FILTERS["error_reaction"],
-            is_kept=False,
         ),
         "slower": Rule(
             *(_DRIVES, _WARNING, "Answers slower"),

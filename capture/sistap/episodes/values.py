@@ -19,10 +19,10 @@ from sistap.episodes.levels import Levels
 from sistap.episodes.masters import station_of
 from sistap.episodes.readings import RAW, Reading, raw_number
 from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
+from sistap.episodes.standard import FOLLOWS, FORMS
 from sistap.episodes.trend import Trend
 from sistap.packets.dissection import Packet, Telegram
 from sistap.sis.faults import WRITE
-from sistap.sis.standard import FOLLOWS, FORMS
 from sistap.wireshark.rows import passes
 
 _COMMANDS = {command: measured for measured, command in FOLLOWS.items()}

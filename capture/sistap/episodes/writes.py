@@ -12,8 +12,8 @@ from sistap.accesses.listing import MOST, Present, order
 from sistap.episodes.episode import ARROW, Hit, numbers
 from sistap.episodes.masters import Masters, station_of
 from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
+from sistap.episodes.standard import FORMS, LIMITS
 from sistap.packets.dissection import Packet
-from sistap.sis.standard import FORMS, LIMITS
 
 _RECIPE_S = 10.0  # writes of a recipe follow one another within this time
 _RECIPE = 4  # parameters; fewer are told one by one
@@ -84,15 +84,13 @@ class Writes:
             yield self._hit(packet, access, was)
             return
         yield from self._follow(packet, access)
-        if is_change and before is not None and access.parameter.ident in LIMITS:
-            yield self._hit(packet, access, was)._replace(kind="limit_write")
-        elif parameter not in self._usual and self._is_rare(access.parameter):
-            hit = self._hit(packet, access, was)
-            if access.parameter.ident in LIMITS and is_first:
-                hit = hit._replace(kind="limit_write")
-            self._rare[access.parameter].append(hit if is_change else hit._replace(kind=""))
-            if is_first and is_change:
-                self._begun.append(hit)
+        is_limit = access.parameter.ident in LIMITS
+        if parameter in self._usual or (is_limit and not is_change) or not self._is_rare(access.parameter):
+            return
+        hit = self._hit(packet, access, was)._replace(kind="limit_write" if is_limit else "write")
+        self._rare[access.parameter].append(hit if is_change else hit._replace(kind=""))
+        if is_change and (is_first or is_limit):
+            self._begun.append(hit)
 
     def _follow(self, packet: Packet, access: Access) -> Iterator[Hit]:
         """Follow writes in a row; yield those of a recipe, once it is over."""

@@ -8,10 +8,10 @@ import tempfile
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from sistap.episodes.standard import FORMS
 from sistap.explain.relay import Judged
 from sistap.files import pcapng
 from sistap.sis.faults import WRITE
-from sistap.sis.standard import FORMS
 from sistap.terminal.exits import UsageError
 from sistap.wireshark import rows
 from sistap.wireshark.tshark import Tshark
