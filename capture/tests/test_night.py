@@ -114,7 +114,7 @@ def test_the_comparison_begins_with_what_happened(
     assert subjects == ["Bus", "Silent", "Drives", "Changed", "", "Limits", "Times"]
     assert "Write, station 4 S-0-0091: 2000.0000 rpm -> " in first[3]
     assert "by new master 17; still set at the end, 03:12:00" in first[3]
-    assert "New master: master 17 asked stations 4, 16: 3 commands, 1 values read, 1 written" in first[4]
+    assert "New master: master 17 asked stations 4, 16: 3 commands, 1 value read, 1 written" in first[4]
     assert "Sent again, station 4: a command without a reaction (2 times)" in first[5]
     assert "station 4 answers" in first[6] and "slower" in first[6]
 
