@@ -147,8 +147,7 @@ def test_what_has_no_limit_is_not_judged(chromium: Chromium, tmp_path: Path) -> 
     bar = "document.querySelector('.answer-bar')"
     chromium.until(f"/Slowest/.test({bar}.textContent)")
     said = chromium.run(f"{bar}.textContent")
-    assert "OK" not in said
-    assert "No fault found" in said
+    assert "OK as far as it was judged" in said
     assert "That is unusual: look at it." in said
     assert "Not judged: reaction times (no TrS), intervals in telegrams (no TzA)." in said
     chromium.click("Late")

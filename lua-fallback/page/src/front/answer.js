@@ -7,7 +7,6 @@ import { reported } from "./report.js";
 
 const AT_ONCE = 5000; // packets of a capture that is judged without being asked: some seconds
 const MOST = 200; // packets in a filter
-const KINDS = { "NOT OK": "bad", OK: "good" }; // of the bar, by the verdict
 const UNUSUAL = 5; // a slowest answer that takes so many times what half of the answers take is worth a look
 
 const ms = (seconds) => `${(seconds * 1000).toFixed(seconds < 0.1 ? 1 : 0)} ms`;
@@ -61,7 +60,7 @@ export class Answer {
     if (bytes !== this.capture.bytes) return;
     this.found = found;
     const { answer: [first, ...lines] } = found;
-    this.bar.className = `answer-bar ${KINDS[first.split(",")[0]] ?? ""}`;
+    this.bar.className = `answer-bar ${verdict(found)}`;
     this.bar.replaceChildren(element("b", {}, first), " ", ...this.slowest(), ...this.silent(), ...this.unjudged(), " ", element("a", { href: "#answer" }, "What happened"));
     this.body.replaceChildren(element("ul", { className: "answer" }, ...[first, ...lines].map((line) => element("li", {}, line))),
       ...this.asked(), ...this.stations(), ...this.episodes());
@@ -119,8 +118,14 @@ export class Answer {
     const words = ({ length }) => (length > MOST ? `The first ${MOST} of ${length}` : plural(length, "packet"));
     const rows = episodes.map(({ from, severity, text, packets }) => [new Date(from).toLocaleString("sv-SE"), severity, text, words(packets)]);
     const show = (packets) => () => this.applyFilter(`frame.number in {${packets.slice(0, MOST).join(", ")}}`);
-    const cell = (text, place, row) => (place === 3 ? button(text, show(episodes[row].packets), { className: "link" }) : text);
+    const cell = (text, place, row) => (place === 3 && episodes[row].packets.length ? button(text, show(episodes[row].packets), { className: "link" }) : text);
     return [element("h2", {}, "What was found"),
       rows.length ? table([["From", "Severity", "What", "Packets"], ...rows], { name: "Episodes", cell }) : element("p", {}, "Nothing.")];
   }
+}
+
+// The colour of the bar: plain where something is to be looked at, or was not judged.
+function verdict({ ok, look, not_judged: unjudged }) {
+  if (!ok) return "bad";
+  return look || unjudged.length ? "" : "good";
 }
