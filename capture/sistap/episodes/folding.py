@@ -20,7 +20,7 @@ from sistap.episodes.standard import FOLLOWS
 
 SOON_S = 60.0  # values of a panel are read so late; a cause and its effect are so far apart
 _BOOT_S = 180.0  # from the end of a silence to the first initialisation
-_ESTOP = "F4"  # the class of faults that an emergency stop makes
+_ESTOP = {"F434", "F4034"}  # the faults that an emergency stop makes (ECODRIVE, IndraDrive)
 _ALIKE = 1.2  # a drift that is so many times another one is no longer like it
 _MANY = 3  # stations: a short peak of one alone means nothing
 _STATIONS_AT_ONCE_S = 10.0
@@ -37,10 +37,8 @@ class _Explained(NamedTuple):
 
 _VALUES = frozenset({"step", "blip", "changed"})
 _NO_ANSWER = frozenset({"unanswered", "repeated"})
-_BOOT = (
-    _VALUES | _NO_ANSWER | {"silent", "phase", "write", "limit_write", "limits", "recipe", "error", "restart", "early"}
-)
-_BOOT |= {"cycle"}
+_WRITTEN = frozenset({"write", "limit_write", "limits", "recipe"})
+_BOOT = _VALUES | _NO_ANSWER | _WRITTEN | {"silent", "phase", "error", "restart", "early", "cycle"}
 
 # What is told by a state is not told again.
 EXPLAINS: dict[str, _Explained] = {
@@ -79,6 +77,7 @@ _TOGETHER: dict[str, float] = {
 }
 _SAME_DETAIL = {"fault", "warning", "never", "limits"}
 DAMAGE = {"damaged", "line_error", "lost", "repeated", "unanswered"}
+_BY_NUMBER = DAMAGE | {"busy"}  # bad only if there are many
 
 
 def fold(episodes: Iterable[Episode], telegrams: int, thresholds: Thresholds) -> list[Episode]:
@@ -126,7 +125,7 @@ def _each_once(episodes: Sequence[Episode]) -> list[Episode]:
 
 def _emergency_stops(episodes: Sequence[Episode]) -> list[Episode]:
     """Make one of the faults of several drives that came and went together."""
-    faults = [one for one in episodes if one.kind == "fault" and one.hit.topic.startswith(_ESTOP)]
+    faults = [one for one in episodes if one.kind == "fault" and one.hit.topic in _ESTOP]
     stops: list[Episode] = []
     for group in _at_once(faults):
         stations = set[int]().union(*(one.stations for one in group))
@@ -191,10 +190,11 @@ def _cut_stops(episodes: Sequence[Episode]) -> list[Episode]:
     told = [one for one in episodes if one.kind in ("off", "estop", "boot")]
     found = []
     for one in episodes:
+        is_cut = False
         for state in told if one.kind == "stopped" else ():
             if state.from_s - SOON_S <= one.from_s <= state.to_s:
-                one.from_s = state.to_s
-        if one.kind != "stopped" or one.to_s - one.from_s > SOON_S or not told:
+                one.from_s, is_cut = state.to_s, True
+        if not is_cut or one.to_s - one.from_s > SOON_S:
             found.append(one)
     return found
 
@@ -232,7 +232,7 @@ def _is_told_by(fault: Episode, state: Episode) -> bool:
     """Tell whether a fault is one of an emergency stop, or only a bit beside the code of a diagnosis."""
     is_code = fault.hit.topic[:1] == "F"
     if state.kind == "estop":
-        return not is_code or fault.hit.topic.startswith(_ESTOP)
+        return not is_code or fault.hit.topic in _ESTOP
     return not is_code and state.hit.topic[:1] == "F"
 
 
@@ -274,7 +274,7 @@ def _weighed(episodes: Sequence[Episode], telegrams: int, thresholds: Thresholds
     """Set the severity of what is bad only in numbers. What is bad all the time is one."""
     counts: defaultdict[str, int] = defaultdict(int)
     for one in episodes:
-        if one.kind in DAMAGE:
+        if one.kind in _BY_NUMBER:
             counts[one.kind] += one.count
     parts = {
         kind: count / max(telegrams, 1) if count >= thresholds.damage_least else 0.0 for kind, count in counts.items()

@@ -92,7 +92,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "estop": Rule(
             *(_BUS, _WARNING, "Emergency stop"),
-            "Several drives have a fault of class F4 at once.",
+            "Several drives have the fault F434 or F4034 at once.",
             "Ask who pressed it, and why.",
             join_s=0,
             is_kept=False,
@@ -218,7 +218,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "busy": Rule(
             *(_DRIVES, _NOTE, "Busy"),
-            "A station was busy, and the master has to ask again. Severities as of damaged.",
+            "A station was busy, and the master has to ask again. Many are a warning, as of damaged.",
             "Look who else asks this station.",
             filter=_FILTERS["error_reaction"],
         ),
