@@ -87,7 +87,7 @@ def test_two_masters_that_write_against_each_other_are_told_with_both_values() -
     (conflict,) = told.of("conflict")
     assert conflict.who == "station 5 P-0-0123" and conflict.count == 8  # the first three begin it
     assert told.lines[3].startswith("Changed: station 5 P-0-0123 is written by two masters ")
-    assert told.lines[3].endswith("master 1 1200.0 rpm, master 2 1500.0 rpm (8 times).")
+    assert told.lines[3].endswith("master 1 1200.0 rpm, master 2 1500.0 rpm (8 times), at the end 1200 rpm.")
 
 
 def test_a_master_that_repeats_too_early() -> None:

@@ -226,7 +226,7 @@ class Engine:
             here = [one for one in self._book.episodes() if self._is_of(one, bus)]
             found += fold(here, bus.faults.telegrams, self._thresholds)
             for one in found:
-                if one.kind in ("write", "limit_write") and self._is_of(one, bus):
+                if one.kind in ("write", "limit_write", "conflict") and self._is_of(one, bus):
                     one.outcome = bus.writes.outcome(one.hit)
         return sorted(found, key=lambda one: one.from_s)
 

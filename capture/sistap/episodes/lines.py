@@ -53,7 +53,7 @@ _TOLD = {
     "blip": "{who} {short} {when}",
     "step": "{who} {short} {when}{more}",
     "drift": "{who} {short}",
-    "conflict": "{who} is written by two masters {when}: {short}{times}",
+    "conflict": "{who} is written by two masters {when}: {short}{times}{more}",
     "limit_write": "{by} wrote the limit {who} {values} at {at}{more}",
     "exchanged": "{who} is another device since {at}: {short}",
     "other": "{who} {values} at {at}, nobody on this bus wrote it",
@@ -166,18 +166,30 @@ def lines(
 
 
 def _summary(episodes: Sequence[Episode]) -> str:
-    """Write what is wrong, in a few words; nothing if nothing is."""
-    wrong: dict[str, set[int]] = {}
-    for one in episodes:
-        if one.severity == Severity.ERROR:
-            title = one.rule.title[:1].lower() + one.rule.title[1:]
-            wrong.setdefault(title, set()).update(one.stations)
-    if not wrong:
-        return ""
-    said = [f"{title}{f' ({numbers(stations)})' if stations else ''}" for title, stations in wrong.items()]
-    look = things(episodes)
+    """Write what is still so at the end, and what else is wrong, in a few words."""
+    bad = [one for one in episodes if one.severity >= Severity.WARNING]
+    lasting = [one for one in bad if one.rule.subject != Subject.CHANGED and _is_lasting(one)]
+    errors = [one for one in bad if one.severity == Severity.ERROR and one not in lasting]
+    now = [f"now {', '.join(_titles(lasting))}"] if lasting else []
+    look = things(episodes) if errors or any(one.severity == Severity.ERROR for one in lasting) else 0
     more = [f"{look} thing{'s' * (look > 1)} to look at"] if look else []
-    return f": {', '.join([*said, *more])}"
+    rest = [", ".join([*_titles(errors), *more])] if errors or more else []
+    return f": {'; '.join([*now, *rest])}" if now or rest else ""
+
+
+def _is_lasting(episode: Episode) -> bool:
+    """Tell whether it is still so at the end."""
+    return episode.outcome.startswith(("still", "not heard"))
+
+
+def _titles(episodes: Iterable[Episode]) -> list[str]:
+    """Write each kind once, with its stations; a code of a drive is a kind of its own."""
+    found: dict[str, set[int]] = {}
+    for one in episodes:
+        code = f" {one.hit.topic}" if one.kind in ("fault", "warning") else ""
+        title = one.rule.title[:1].lower() + one.rule.title[1:] + code
+        found.setdefault(title, set()).update(one.stations)
+    return [f"{title}{f' ({numbers(stations)})' if stations else ''}" for title, stations in found.items()]
 
 
 def clock_of(begin_s: float, end_s: float, *, most_s: float = 0.0) -> Callable[[float], str]:
@@ -218,7 +230,7 @@ def _rank(phrase: Phrase) -> tuple[int, bool, bool, float]:
     episode = phrase.episode
     far = -(episode.hit.worst or 0.0) if episode.kind in ("step", "drift") else 0.0
     is_perhaps = episode.hit.detail.startswith(PERHAPS)
-    return -episode.severity, is_perhaps, not episode.outcome.startswith(("still", "not heard")), far
+    return -episode.severity, is_perhaps, not _is_lasting(episode), far
 
 
 def _groups(episodes: Iterable[Episode]) -> Sequence[Sequence[Episode]]:
@@ -273,13 +285,14 @@ def _often(same: Sequence[_Told], clock: Callable[[float], str]) -> Phrase:
     longest = max(episodes, key=lambda one: (one.severity, one.to_s - one.from_s))
     if len(same) == 1:
         return Phrase(_text(longest, clock), same[0].episode)
-    times = ", ".join(clock(one.from_s) for one in episodes[:_TIMES])
+    is_span = longest.kind == "stopped"
+    times = ", ".join(when(one, clock) if is_span else clock(one.from_s) for one in episodes[:_TIMES])
     more = f" and {len(episodes) - _TIMES} more" if len(episodes) > _TIMES else ""
     code = f" {longest.hit.topic}" if longest.kind in ("fault", "warning") else ""
     title = f"{longest.rule.title}{code}"
     who = f", {numbers(longest.stations)}" if longest.stations else ""
     lasted = longest.to_s - longest.from_s
-    is_long = longest.lasts and longest.kind != "recipe"
+    is_long = longest.lasts and longest.kind not in ("recipe", "stopped")
     worst = f"longest {seconds(lasted)} at {clock(longest.from_s)}; " if is_long else ""
     told = f"{title} {len(same)} times{who} ({worst}{times}{more})"
     return Phrase(told, same[0].episode, [one.episode for one in same])

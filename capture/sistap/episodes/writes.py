@@ -117,6 +117,9 @@ class Writes:
     def _turn(self, packet: Packet, access: Access) -> Iterator[Hit]:
         """Note who wrote a parameter last. Yield a write against another master, from the third one on."""
         setting = self._settings.get(access.parameter)
+        present = self._of(access.parameter)
+        if present:
+            self._told[str(access.parameter)] = present
         if setting is None:
             if len(self._settings) < MOST:
                 self._settings[access.parameter] = _Setting(access.master, access.value, access.whole)
@@ -162,6 +165,8 @@ class Writes:
         present = self._told.get(hit.topic)
         if present is None or present.value is None:
             return ""
+        if hit.kind == "conflict":
+            return f"at the end {present.value}"
         return "still set at the end" if present.value == written else f"at the end {present.value}"
 
     def _hit(self, packet: Packet, access: Access, before: str | None) -> Hit:

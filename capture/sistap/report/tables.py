@@ -57,6 +57,7 @@ IDENT = r"[SP]-\d-\d{4}"  # of a parameter
 _NAMED = re.compile(rf"\b(?:{IDENT}|{'|'.join(_SHORT)})\b")
 ANCHOR = "episode"
 EPISODES_SHOWN = curved.EPISODES
+_MINUTES_S, _HOURS_S = 300.0, 7200.0  # from which on a duration is in these
 _PARAMETER_OF_EPISODE = 5  # the column
 PARAMETERS_SHOWN = 500  # more would be a page that nobody reads
 _LIMITS = {
@@ -118,7 +119,7 @@ def episodes(report: Report) -> Table:
     rows = [
         (
             time_of_day(one.from_s),
-            seconds(one.to_s - one.from_s) if one.lasts else "",
+            _duration(one.to_s - one.from_s) if one.lasts else "",
             one.severity.name.lower(),
             ", ".join(map(str, sorted(one.stations))),
             one.rule.title,
@@ -141,6 +142,14 @@ def episodes(report: Report) -> Table:
         for row in curved.happened(report, parameter)
     }
     return Table(title, heads, rows, code=9, anchor=ANCHOR, links=links, kinds=kinds)
+
+
+def _duration(time_s: float) -> str:
+    """Write a duration; nobody counts in thousands of seconds."""
+    if time_s < _MINUTES_S:
+        return seconds(time_s)
+    minutes = round(time_s / 60)
+    return f"{minutes} min" if time_s < _HOURS_S else f"{minutes // 60} h {minutes % 60} min"
 
 
 def summary(report: Report) -> Table:
