@@ -67,8 +67,8 @@ def test_a_night_in_five_lines() -> None:
     )
     assert first == (
         "NOT OK, 2026-11-21 22:00:00 to 2026-11-22 06:00:00: reaction later than TrS (station 3), station silent "
-        "(stations 4, 6), fault F2028 (station 4), bus silent, interval longer than TzA (station 6), 3 things to look at. "
-        "Bus silent 04:30:00 to 04:35:00, all stations: cable or master off?"
+        "(stations 4, 6), fault F2028 (station 4), bus silent, interval longer than TzA (station 6), "
+        "3 things to look at. Bus silent 04:30:00 to 04:35:00, all stations: cable or master off?"
     )
     assert silent == "Silent: station 4 from 00:40:12 (90 s); station 6 from 04:50:31 (90 s)."
     assert drives == (
