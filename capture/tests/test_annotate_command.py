@@ -109,6 +109,14 @@ def test_what_is_written_to_a_log_meanwhile_is_left_out(
     assert capfdbinary.readouterr() == (before, b"")
 
 
+def test_a_log_of_another_protocol_says_so(log: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:
+    """USS begins with 02 and a length, too. The log has no times."""
+    log.write_text("02 0E 01 64 E0 00 00 00 00 00 00 00 00 00 00 89\n" * 6)
+    assert cli.main(["annotate", str(log)]) == 0
+    *_, last = capfdbinary.readouterr().out.decode().splitlines()
+    assert last.startswith("^-- No SIS: none of ") and "another protocol, rate or format? Check protocol" in last
+
+
 def test_a_log_with_faults_ends_with_what_happened(log: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:
     """Its checksum is wrong; the last line has no ending, and what is added does not change that."""
     damaged = PHASE[:-1] + bytes([PHASE[-1] ^ 1])

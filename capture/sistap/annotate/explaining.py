@@ -16,7 +16,7 @@ from sistap.annotate.blocks import Blocks
 from sistap.episodes.engine import Engine
 from sistap.episodes.folding import DAMAGE
 from sistap.episodes.lines import lines
-from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
+from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Thresholds
 from sistap.explain import advice
 from sistap.explain.fields import Fields, Said, said
 from sistap.explain.running import Running
@@ -62,9 +62,12 @@ class WholeCapture:
     def answer(self) -> list[str]:
         """Return the five lines that say what happened, if something has to be looked at and the log has times.
 
-        A log is short: in it, one damaged telegram has to be looked at, too.
+        A log is short: in it, one damaged telegram has to be looked at, too. That it is no log of SIS needs no times.
         """
         episodes = self._engine.finish()
+        foreign = [one.text for one in episodes if one.kind == "foreign"]
+        if foreign:
+            return [f"{text} {RULES['foreign'].do}" for text in foreign]
         is_news = any(one.severity >= Severity.WARNING or one.kind in DAMAGE for one in episodes)
         if not self._times_s or not self._times_s[0] or not is_news:
             return []

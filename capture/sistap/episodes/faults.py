@@ -111,7 +111,7 @@ class Faults:
     def finish(self, port: str, begin_s: float, end_s: float) -> Iterator[Hit]:
         """Yield that nothing of it is SIS."""
         if not self.telegrams and self.damaged >= _FEW:
-            detail = f"none of {self.damaged} records is a telegram of SIS: another protocol, rate or format?"
+            detail = f"none of {self.damaged} records is a telegram: another protocol, rate or format?"
             yield Hit("foreign", 0, begin_s, end_s, None, "", detail, port=port)
 
 
