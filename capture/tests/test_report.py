@@ -203,6 +203,7 @@ def test_what_came_in_one_read_is_judged_but_has_no_reaction_time(tshark: Tshark
     assert [one["times"] for one in figures["services"]] == [{"count": 0}]
     (late_one,) = (one for one in report.episodes if one.kind == "late")
     assert (late_one.hit.detail, late_one.hit.worst) == ("perhaps: not measured, TrS 50 ms", None)
+    assert any("are in no median: station 3 (1 of 1). Uncertainty" in text for text in tables.remarks(report))
 
 
 def test_stations(figures: dict[str, Any]) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -57,6 +57,7 @@ IDENT = r"[SP]-\d-\d{4}"  # of a parameter
 _NAMED = re.compile(rf"\b(?:{IDENT}|{'|'.join(_SHORT)})\b")
 ANCHOR = "episode"
 EPISODES_SHOWN = curved.EPISODES
+_FEW_UNMEASURED = 0.01  # of the reactions of a station: fewer do not matter
 _MINUTES_S, _HOURS_S = 300.0, 7200.0  # from which on a duration is in these
 _PARAMETER_OF_EPISODE = 5  # the column
 PARAMETERS_SHOWN = 500  # more would be a page that nobody reads
@@ -422,6 +423,14 @@ def remarks(report: Report) -> list[str]:
     return [text for text, applies in _remarks(report) if applies]
 
 
+def _unmeasured(figures: Figures) -> Iterator[str]:
+    """Yield how many reactions of a station have no time, if they matter."""
+    for address, station in sorted(figures.stations.items()):
+        missing = station.reactions - station.times.count
+        if missing > _FEW_UNMEASURED * station.reactions:
+            yield f"station {address} ({missing} of {station.reactions})"
+
+
 def _remarks(report: Report) -> Iterable[tuple[str, object]]:
     figures = report.figures
     records = figures.records[FRAME] + figures.records[OTHER] + figures.records[EVENT]
@@ -458,6 +467,12 @@ def _remarks(report: Report) -> Iterable[tuple[str, object]]:
     yield (
         "A recorder kept these files one by one: between two of them nothing was kept, and no silence is told.",
         report.files > 1 and any(packet.is_kept_apart for packet in figures.events),
+    )
+    unmeasured = ", ".join(_unmeasured(figures))
+    yield (
+        f"Reactions that came in one read with their command, or without one, are in no median: {unmeasured}. "
+        f"Uncertainty of the times: {_uncertainty(figures)}.",
+        unmeasured,
     )
     yield from ((text, True) for text in _told(report))
     for name, text in NAMES.items():
