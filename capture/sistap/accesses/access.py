@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -62,13 +62,17 @@ class Access(NamedTuple):
         return "ASCII" if self.master is None else str(self.master)
 
 
-def accesses(columns: Mapping[str, str]) -> Iterator[Access]:
-    """Yield the accesses in the row of a packet. A list of services, or TCP, may have several."""
+def accesses(columns: Mapping[str, str]) -> list[Access]:
+    """Return the accesses in the row of a packet. A list of services, or TCP, may have several."""
+    text = columns.get(FIELD, "")
+    if not text:
+        return []
     port = columns.get("frame.interface_name", "")
-    for text in filter(None, columns.get(FIELD, "").split(JOINT)):
+    if JOINT not in text:
         access = _known(port, text) if len(text) < _LONG else _access(port, text)
-        if access is not None:
-            yield access
+        return [] if access is None else [access]
+    found = (_known(port, one) if len(one) < _LONG else _access(port, one) for one in text.split(JOINT) if one)
+    return [access for access in found if access is not None]
 
 
 def _access(port: str, text: str) -> Access | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -72,12 +72,17 @@ class _Bus:
         self.values: Values = Values(thresholds, since_s, before.values if before else None)
         # Most packets are nothing new to any of them. So none is a generator, which costs more than what it looks at;
         # and a good telegram that only reads or writes goes to those alone that learn from it.
-        every = Tap(thresholds), self.bus, self.faults, self.silence
-        every_rare = self.unreadable, self.phases, self.boots, self.devices, self.refusals, self.values
-        self._adds: dict[_Sort, list[Callable[[Packet], Iterable[Hit]]]] = {
-            _Sort.COMMAND: _adds(*every, self.masters, self.rate),
-            _Sort.REACTION: _adds(*every, self.paces, self.limits),
-            _Sort.RARE: _adds(*every, self.masters, self.rate, self.paces, self.limits, *every_rare),
+        tap = Tap(thresholds)
+        lookers: tuple[_Looker, ...] = (
+            *(tap, self.bus, self.faults, self.silence, self.masters, self.rate, self.paces, self.limits),
+            *(self.unreadable, self.phases, self.boots, self.devices, self.refusals, self.values),
+        )
+        of_command = self.faults.command, self.silence.command, self.masters.add, self.rate.add
+        of_reaction = self.faults.reaction, self.silence.reaction, self.paces.add, self.limits.add
+        self._adds: dict[_Sort, Sequence[Callable[[Packet], Iterable[Hit]]]] = {
+            _Sort.COMMAND: (tap.add, self.bus.add, *of_command),
+            _Sort.REACTION: (tap.add, self.bus.add, *of_reaction),
+            _Sort.RARE: [looker.add for looker in lookers],
         }
         self._sorts: dict[object, _Sort] = {}  # by what packets have in common
         self.lasting: list[Hit] = []  # of states and levels that begin to last; asked for only while it happens
@@ -144,17 +149,14 @@ class _Bus:
             yield Hit("stopped", 0, from_s, to_s, port=self.name, outcome=outcome)
 
 
-def _adds(*lookers: _Looker) -> list[Callable[[Packet], Iterable[Hit]]]:
-    return [looker.add for looker in lookers]
-
-
 def _sort(packet: Packet) -> _Sort:
     """Tell what a packet is: nearly all are a good telegram that reads or writes something."""
     if packet.type != FRAME or len(packet.telegrams) != 1:
         return _Sort.RARE
     (telegram,) = packet.telegrams
-    is_odd = not telegram.good or telegram.unanswered or telegram.is_refusal
-    if is_odd or telegram.phase or telegram.service in STEPS:
+    is_odd = not telegram.good or telegram.unanswered or telegram.is_refusal or telegram.is_repeat
+    is_told = telegram.is_doubtful or telegram.has_system_error or telegram.signs or packet.errors or packet.faults
+    if is_odd or is_told or telegram.phase or telegram.service in STEPS:
         return _Sort.RARE
     return _Sort.REACTION if telegram.is_reaction else _Sort.COMMAND
 

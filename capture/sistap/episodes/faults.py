@@ -108,6 +108,19 @@ class Faults:
                 what = "its checksum is wrong" if bad else "its rest is not a telegram"
                 yield hit_of("damaged", packet, station, what)
 
+    def command(self, packet: Packet) -> Iterable[Hit]:
+        """Take a good command."""
+        self.telegrams += 1
+        self._asked, self._is_disturbed = packet.telegrams[0].listener, False
+        return ()
+
+    def reaction(self, packet: Packet) -> Iterable[Hit]:
+        """Take a good reaction."""
+        self.telegrams += 1
+        self._asked = None
+        self.known.add(packet.telegrams[0].talker or 0)
+        return ()
+
     def finish(self, port: str, begin_s: float, end_s: float) -> Iterator[Hit]:
         """Yield that nothing of it is SIS."""
         if not self.telegrams and self.damaged >= _FEW:
@@ -170,7 +183,7 @@ class Refusals:
         """Return the refusals of a packet."""
         if len(packet.telegrams) == 1:
             return self._of(packet, packet.telegrams[0], packet.accesses)
-        each = ((telegram, list(accesses(telegram.columns))) for telegram in packet.telegrams)
+        each = ((telegram, accesses(telegram.columns)) for telegram in packet.telegrams)
         return [hit for telegram, said in each for hit in self._of(packet, telegram, said)]
 
     def _of(self, packet: Packet, telegram: Telegram, said: Iterable[Access]) -> list[Hit]:

@@ -153,6 +153,18 @@ class StationSilence:
                     self._stations[telegram.listener].repeats += 1
         return hits
 
+    def command(self, packet: Packet) -> Iterable[Hit]:
+        """Take a command that was answered."""
+        if self._pending:
+            self._resolve()
+        return ()
+
+    def reaction(self, packet: Packet) -> Iterable[Hit]:
+        """Take a good reaction."""
+        if self._pending:
+            self._resolve()
+        return self._answered(packet, packet.telegrams[0])
+
     def finish(self, port: str) -> Iterator[Hit]:
         """Yield silences that last to the end."""
         for hit in self._last(port):

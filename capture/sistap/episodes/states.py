@@ -113,7 +113,7 @@ class Tap:
         if packet.type == EVENT:
             return self._event(packet, max(self._ends_s.values(), default=None))
         end_s = self._ends_s.get(packet.line)
-        self._ends_s[packet.line] = packet.ended_s
+        self._ends_s[packet.line] = packet.epoch_s + packet.length_s
         if end_s is None:
             return ()
         if packet.since_s is not None:

@@ -488,7 +488,7 @@ def _packet(columns: Mapping[str, str], own: list[str], alike: _Alike) -> Packet
         intervals_s,
         since_s,
         _telegrams(columns, own, alike),
-        list(accesses(columns)) if own[_ACCESSES] else [],
+        accesses(columns) if own[_ACCESSES] else [],
         columns,
         alike,
     )
@@ -538,24 +538,24 @@ def _telegrams(columns: Mapping[str, str], own: list[str], alike: _Alike) -> lis
 
 def _telegram(columns: Mapping[str, str], own: list[str], alike: _AlikeTelegram) -> Telegram:
     longest, command_in, silence, reaction, longest_judged, position, cycle, load = own[5:_ACCESSES]
+    # A dissector without a verdict on TzA still has the longest interval of a record.
+    pause = longest_judged or longest
+    # Most of these are empty: to ask before each call takes a third of the time.
     return alike.make(
-        _integer(command_in),
-        _number(load),
-        _judged(silence, None, None),
-        _judged(reaction, *alike.trs),
-        # A dissector without a verdict on TzA still has the longest interval of a record.
-        _judged(longest_judged or longest, *alike.tza),
-        _judged(cycle, *alike.tmas),
+        _integer(command_in) if command_in else None,
+        _float(load) if load else None,
+        Judged(_float(silence), None, None) if silence else None,
+        _judged(reaction, *alike.trs) if reaction or alike.trs[1] is not None else None,
+        _judged(pause, *alike.tza) if pause or alike.tza[1] is not None else None,
+        _judged(cycle, *alike.tmas) if cycle or alike.tmas[1] is not None else None,
         _known_integer(position),
         columns,
         alike.faults,
     )
 
 
-def _judged(time: str, limit_s: float | None, verdict: int | None) -> Judged | None:
-    if time:
-        return Judged(_float(time), limit_s, verdict)
-    return None if verdict is None else Judged(0.0, limit_s, verdict)
+def _judged(time: str, limit_s: float | None, verdict: int | None) -> Judged:
+    return Judged(_float(time) if time else 0.0, limit_s, verdict)
 
 
 def _integer(text: str | None) -> int | None:
