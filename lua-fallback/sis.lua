@@ -3646,7 +3646,7 @@ do
     append_text(tree, ", not decoded")
     add_expert(tree or parent, E.telegrams_many)
     add(tree, F.raw, tvb, offset, rest:len())
-    tell_packed(tree, tvb)
+    tell_packed(tree, rest:tvb())
     packet.cols.info:append(strformat(" | Not decoded, %d byte%s", there - offset, plural(there - offset)))
   end
 

@@ -23,7 +23,7 @@ CHARACTER_MS = 11 / 9.6
 
 def telegrams(tshark: Tshark, source: Path, *fields: str, tza: int = 0, trs: int = 0) -> list[list[str]]:
     """These fields of each telegram of an imported file, with limits in ms."""
-    limits = ["-o", f"sis.tza_ms:{tza}", "-o", f"sis.trs_ms:{trs}"]
+    limits = ["-o", f"sis.tza_ms:{tza}", "-o", f"sis.trs_ms:{trs}", "-o", "sis.tza_from:start"]
     names = [word for field in fields for word in ("-e", field)]
     out = str(source) + ".imported"
     return [
@@ -110,6 +110,7 @@ def table(folder: Path, pause_ms: float) -> Path:
 def test_intervals_of_a_logic_analyser(
     tshark: Tshark, tmp_path: Path, pause_ms: float, options: list[str], verdict: str
 ) -> None:
+    """TzA counts from the start of the character before."""
     source = table(tmp_path, pause_ms)
     assert run(source, "--baud", "9600", *options).code == 0
     assert telegrams(tshark, source, "sis.tza.verdict", "sis.tza.position", tza=5) == [[verdict, "5"]]
