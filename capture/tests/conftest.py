@@ -7,6 +7,7 @@ And what they need of the system.
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -20,6 +21,8 @@ from sharkd import Sharkd
 
 import sistap.terminal.state
 from sistap.wireshark.tshark import Tshark
+
+SCRIPT = Path(__file__).parents[2] / "lua-fallback" / "sis.lua"
 
 # `test` tries fewer examples than `check`; a busy machine is no failure of either.
 settings.register_profile("quick", max_examples=25, deadline=None)
@@ -58,6 +61,15 @@ def tshark() -> Iterator[Tshark]:
     with Tshark() as program:
         assert "sis.so" in program.output("-G", "plugins"), "./bootstrap test sets WIRESHARK_PLUGIN_DIR"
         yield program
+
+
+@pytest.fixture(params=["plugin", "script"])
+def dissector(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the plugin that was built, and with sis.lua."""
+    if request.param == "script":
+        (tmp_path / "plugins").mkdir()
+        shutil.copy(SCRIPT, tmp_path / "plugins")
+        monkeypatch.setenv("WIRESHARK_PLUGIN_DIR", str(tmp_path / "plugins"))
 
 
 @pytest.fixture(autouse=True)

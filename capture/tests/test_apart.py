@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import struct
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,7 +21,6 @@ from sistap.sis.telegram import build
 from sistap.wireshark.rows import JOINT
 from sistap.wireshark.tshark import Tshark
 
-HOUSE = Path(__file__).parents[2]
 START_NS, MS = 1_700_000_000_000_000_000, 1_000_000
 ROUNDS, DIES = 60, 20  # from that round on, station 4 answers no more
 REFUSED = {3, 10, 17}  # rounds in which it refuses
@@ -61,15 +59,6 @@ def captured(path: Path, is_joined: bool) -> Path:
         time_ns += 80 * MS
     path.write_bytes(b"".join(blocks))
     return path
-
-
-@pytest.fixture(params=["plugin", "script"])
-def dissector(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the plugin that was built, and with sis.lua."""
-    if request.param == "script":
-        (tmp_path / "plugins").mkdir()
-        shutil.copy(HOUSE / "lua-fallback" / "sis.lua", tmp_path / "plugins")
-        monkeypatch.setenv("WIRESHARK_PLUGIN_DIR", str(tmp_path / "plugins"))
 
 
 def said(telegram: Telegram) -> tuple[object, ...]:

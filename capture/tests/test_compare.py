@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import shutil
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,6 @@ from sistap.line.settings import Flag
 from sistap.sis.telegram import build
 
 READ_BODY, ANSWER_BODY = bytes.fromhex("3C 03 00 28 00"), bytes.fromhex("00 3C 03 E8 03")  # those of READ, ANSWER
-HOUSE = Path(__file__).parent.parent.parent
 
 EVENING = """\
 title = "an evening on which all is well"
@@ -73,15 +71,6 @@ def bus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         "next": play(folder, "next", evening, 6),
         "night": play(folder, "night", night, 5),
     }
-
-
-@pytest.fixture(params=["plugin", "script"])
-def dissector(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the plugin that was built, and with sis.lua."""
-    if request.param == "script":
-        (tmp_path / "plugins").mkdir()
-        shutil.copy(HOUSE / "lua-fallback" / "sis.lua", tmp_path / "plugins")
-        monkeypatch.setenv("WIRESHARK_PLUGIN_DIR", str(tmp_path / "plugins"))
 
 
 def lines(text: str) -> dict[str, list[str]]:

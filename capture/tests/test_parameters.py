@@ -55,15 +55,6 @@ CHANGES = [
 COLUMNS = ("master", "station", "device", "parameter", "name", "unit", "from", "to", "packet")
 
 
-@pytest.fixture(params=["plugin", "script"])
-def dissector(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the plugin that was built, and with sis.lua."""
-    if request.param == "script":
-        (tmp_path / "plugins").mkdir()
-        shutil.copy(HOUSE / "lua-fallback" / "sis.lua", tmp_path / "plugins")
-        monkeypatch.setenv("WIRESHARK_PLUGIN_DIR", str(tmp_path / "plugins"))
-
-
 @pytest.mark.usefixtures("dissector")
 def test_the_list(tmp_path: Path) -> None:
     done = run(tmp_path, "parameters", CAPTURE)

@@ -15,24 +15,15 @@ from sistap.packets.dissection import Packet
 
 STILL = "still so when last read"
 _KINDS = {"F": "fault", "E": "warning"}
-_SHOWN = 40  # characters of a text
 _SHUT_DOWN = 0x2000  # bit 13 of the drive status: by an error of class 1
 _REFERENCED = 0x0001
-
-
-@dataclass
-class _Told:
-    """A state that lasts, as a source tells it."""
-
-    hit: Hit
-    is_over: bool = False
 
 
 @dataclass
 class _Drive:
     """What a drive has told last, by source."""
 
-    told: dict[str, _Told] = field(default_factory=dict)
+    told: dict[str, Hit] = field(default_factory=dict)  # what lasts
     was: dict[str, str] = field(default_factory=dict)  # what it said before, by source
     was_referenced: bool = False
 
@@ -51,20 +42,19 @@ class Diagnoses:
         station = station_of(access.parameter)
         drive = self._drives.setdefault((station, access.parameter.device), _Drive())
         kind, what = LOOKED_AT[ident](drive, ident, said)
-        told = drive.told.get(ident)
-        if told and (told.hit.kind, told.hit.topic) == (kind, what):
-            told.hit = told.hit._replace(to_s=packet.epoch_s)
+        told = drive.told.pop(ident, None)
+        lasting = told and told._replace(to_s=packet.epoch_s)
+        if lasting and (lasting.kind, lasting.topic) == (kind, what):
+            drive.told[ident] = lasting
             return ()
-        ended = [told.hit._replace(to_s=packet.epoch_s)] if told else []
-        drive.told.pop(ident, None)
         if kind:
             before = drive.was.get(ident, "")
             detail = f"{what} ({ident}, before {before})" if before else f"{what} ({ident})"
-            hit = Hit(kind, packet.number, packet.epoch_s, packet.epoch_s, station, "", detail, topic=what)
-            drive.told[ident] = _Told(hit._replace(port=packet.interface))
-            self._begun.append(drive.told[ident].hit)
+            place = packet.number, packet.epoch_s, packet.epoch_s, station
+            drive.told[ident] = Hit(kind, *place, "", detail, port=packet.interface, topic=what)
+            self._begun.append(drive.told[ident])
         drive.was[ident] = code_of(ident, said.text)
-        return ended
+        return [lasting] if lasting else []
 
     def begun(self) -> Iterable[Hit]:
         """Return what has begun since it was asked last."""
@@ -74,8 +64,8 @@ class Diagnoses:
     def finish(self) -> Iterator[Hit]:
         """Yield what lasts to the end."""
         for drive in self._drives.values():
-            for told in drive.told.values():
-                yield told.hit._replace(outcome=STILL)
+            for hit in drive.told.values():
+                yield hit._replace(outcome=STILL)
 
 
 _Said = tuple[str, str]  # kind or "", and what

@@ -156,10 +156,8 @@ def lines(
     for subject, name in zip(Subject, SUBJECTS, strict=True):
         phrases = list(_phrases([one for one in episodes if one.rule.subject == subject], clock))
         certain = [one for one in phrases if one.episode.severity >= Severity.WARNING]
-        shown = [*certain, *(one for one in phrases if one.episode.severity < Severity.WARNING)][
-            : len(certain) + _NOTES
-        ]
-        shown = shown[: max(_PHRASES, _NOTES)]
+        life = [one for one in phrases if one.episode.severity < Severity.WARNING]
+        shown = [*certain, *life[:_NOTES]][:_PHRASES]
         note = notes.get(subject, "")
         made.append(Line(name, "" if subject else first, shown, max(len(certain) - len(shown), 0), note))
     return made

@@ -191,7 +191,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "apart": Rule(
             *(_DRIVES, _WARNING, "Value far from its command"),
-            "S-0-0040 or S-0-0084 is more than 10 % from its command for a minute, and usually follows it.",
+            "S-0-0040 or S-0-0084 usually follows its command, and is more than 10 % away for 20 s.",
             "Look for load, brake or limit.",
             join_s=60,
         ),

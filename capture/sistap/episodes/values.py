@@ -241,7 +241,7 @@ class Values:
             return
         if followed.is_state:
             if followed.is_known_state:
-                yield from _changes(parameter, followed, self._thresholds.few_levels)
+                yield from _changes(parameter, followed, self._thresholds)
         elif not followed.is_counter:
             yield from _steps(parameter, followed, followed.levels)
             yield from _steps(parameter, followed, followed.stopped)
@@ -312,7 +312,7 @@ def _apart(beside: _Beside, packet: Packet, parameter: Parameter, raw: int, comm
         )
 
 
-def _changes(parameter: Parameter, followed: _Followed, few_levels: int) -> Iterator[Hit]:
+def _changes(parameter: Parameter, followed: _Followed, thresholds: Thresholds) -> Iterator[Hit]:
     """Yield states that are not the usual one; one that goes to and fro for a while, as that."""
     states = followed.states
     if len(states) < 2:
@@ -323,14 +323,14 @@ def _changes(parameter: Parameter, followed: _Followed, few_levels: int) -> Iter
         values = " and ".join(sorted({state.value[:_SHOWN] for state in chatter}))
         yield hit._replace(detail=f"{len(chatter)} changes between {values}")
         return
-    if len(states) > few_levels * 4:
+    if len(states) > thresholds.few_levels * 4:
         return
     spans: dict[str, float] = {}
     for state in states:
         spans[state.value] = spans.get(state.value, 0.0) + state.to_s - state.from_s
     usual = max(spans, key=lambda value: spans[value])
     for before, state, after in zip([states[0], *states], states, [*states[1:], states[-1]], strict=False):
-        if not _is_like(state.value, usual):
+        if not _is_like(state.value, usual, thresholds.level_least):
             was = f"{before.value[:_SHOWN]}{ARROW}" if before is not state else ""
             hit = _hit("changed", parameter, state.packet, state.from_s, max(after.from_s, state.to_s))
             if state is after:
@@ -339,12 +339,12 @@ def _changes(parameter: Parameter, followed: _Followed, few_levels: int) -> Iter
             yield hit._replace(detail=f"{was}{state.value[:_SHOWN]}{unit}")
 
 
-def _is_like(value: str, usual: str) -> bool:
-    """Tell whether two states are the same, or numbers that hardly differ."""
+def _is_like(value: str, usual: str, least: float) -> bool:
+    """Tell whether two states are the same, or numbers that differ by no more than a part."""
     one, other = _NUMBER.match(value), _NUMBER.match(usual)
     if value == usual or not one or not other or value.startswith("0x"):
         return value == usual
-    return abs(float(one[0]) - float(other[0])) <= THRESHOLDS.level_least * abs(float(other[0]))
+    return abs(float(one[0]) - float(other[0])) <= least * abs(float(other[0]))
 
 
 def _chatter(states: Sequence[_State]) -> Sequence[_State]:
