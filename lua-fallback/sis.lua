@@ -1796,7 +1796,7 @@ field("sis.device", "Device address", ftypes.UINT8, base.DEC, nil, 0,
   "Of the device behind the station; its own address, or 0 for the control itself")
 field("sis.subservice", "Subservice", ftypes.UINT8, base.HEX, nil, 0, "What exactly the service shall do")
 field("sis.error", "Error code", ftypes.UINT16, base.HEX, nil, 0,
-  "The full code, where a byte is sent together with its subservice; behind some codes what to do")
+  "The full code, where a byte is sent together with its subservice; some codes are followed by advice")
 field("sis.phase", "Phase", ftypes.UINT8, base.DEC, nil, 0,
   "Communication phase of SERCOS: 2 parameter mode, 4 operating mode")
 field("sis.init.baud_mask", "Baud rate mask", ftypes.UINT8, base.HEX, nil, 0, "One bit for each baud rate; 0: 9600")
@@ -1896,8 +1896,8 @@ field("sis.phase.switch_in", "Phase switch in", ftypes.FRAMENUM, base.NONE, nil,
 field("sis.phase.switch_time", "Time of the phase switch", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
   "From its command to the poll that ended it")
 field("sis.silence_before", "Silence before", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
-  "Since the character before it on this line, arrival to arrival. An operator terminal BTV05 gives a "
-    .. "link up after 200 ms of silence")
+  "Since the character before it on this line, arrival to arrival. An operator terminal BTV05 takes "
+    .. "its link for lost after 200 ms of silence")
 field("sis.silence_before.ms", "Silence before in ms", ftypes.DOUBLE, base.NONE, nil, 0,
   "For a column of the packet list")
 field("sis.tza.interval_max", "Longest interval", ftypes.RELATIVE_TIME, base.NONE, nil, 0,
@@ -1938,7 +1938,7 @@ expert_field("sis.list.recursion", "PROTOCOL", "ERROR", "Service 0x04 must not b
 expert_field("sis.command.unanswered", "SEQUENCE", "NOTE", "No reaction before the next command")
 expert_field("sis.reaction.unasked", "SEQUENCE", "NOTE", "The command of this reaction is not known")
 expert_field("sis.reaction.to_damaged", "SEQUENCE", "CHAT",
-  "The answer to a damaged command: right for point to point, on a bus the station is silent")
+  "The answer to a damaged command: allowed only point to point; on a bus the station is silent")
 expert_field("sis.reaction.again", "SEQUENCE", "NOTE", "The command was answered before")
 expert_field("sis.command.repeat", "SEQUENCE", "NOTE", "The same command again")
 expert_field("sis.body.missing", "PROTOCOL", "WARN", "Useful data are missing")
@@ -2305,7 +2305,7 @@ end
 
 do
   local WINDOW_NS = 1e9 -- the load is averaged over this time
-  local LONGEST_INTERVAL = 0xFFFFFFFF -- ns that a record can hold
+  K.LONGEST_INTERVAL = 0xFFFFFFFF -- ns that a record can hold
   local SHORTEST_FRAME = 8 -- fewer other characters are what a line says when its direction turns
 
   local lines -- by key
@@ -2375,7 +2375,7 @@ do
 
   -- The interval before the first character.
   local function is_saturated(record)
-    return T.interval_of(record, 0) == LONGEST_INTERVAL
+    return T.interval_of(record, 0) == K.LONGEST_INTERVAL
       or band(T.flags_of(record, 0), K.SERTAP_INTERVAL_SATURATED) ~= 0
   end
 
@@ -2384,7 +2384,7 @@ do
     if not is_saturated(record) or not line.last_time or line.last_line ~= record.line then return end
     local elapsed = T.elapsed(line.last_time, packet.time)
 
-    if elapsed >= LONGEST_INTERVAL then silence_of[packet.number] = elapsed end
+    if elapsed >= K.LONGEST_INTERVAL then silence_of[packet.number] = elapsed end
   end
 
   local function note_last(line, record)
@@ -3737,6 +3737,11 @@ do
     return not defined or asked == answered or not defined[answered]
   end
 
+  -- Whether the telegram is a good one, whose exchange is known.
+  function S.has_exchange(body)
+    return body.record and body.record.exchange
+  end
+
   function S.left(body)
     return body.end_ - body.offset
   end
@@ -5045,7 +5050,7 @@ do
       if not phase then return end
     end
     if body.status == 0x02 then S.take_error(body, N.errors_phase) end
-    if not body.record or not body.record.exchange then return end
+    if not S.has_exchange(body) then return end
     if not packet.visited then follow_switch(body, phase) end
     show_switch(body)
   end
@@ -6018,13 +6023,9 @@ do
     }
   end
 
-  local function has_exchange(body)
-    return body.record and body.record.exchange
-  end
-
   -- Whether a transfer of this parameter is under way: then its last piece may be empty.
   function S.is_sequence_open(body, ident, element, device)
-    if not has_exchange(body) or not ident then return false end
+    if not S.has_exchange(body) or not ident then return false end
     if packet.visited then return S.is_piece(body) end
     local exchange, like = body.record.exchange, make_like(body, ident, element, device)
 
@@ -6044,7 +6045,7 @@ do
   -- parameter control. Adds what is known of the transfer. Returns the whole data with the last piece, nil with
   -- another one, and the data themselves without a transfer.
   function S.sequence_data(body, ident, element, device, is_last)
-    if has_exchange(body) and not packet.visited then find_step(body, ident, element, device, is_last) end
+    if S.has_exchange(body) and not packet.visited then find_step(body, ident, element, device, is_last) end
     if S.is_piece(body) then return put_together(body, is_last) end
     return is_last and S.data(body) or nil
   end
@@ -6110,7 +6111,7 @@ do
     return true
   end
 
-  -- Not executed, because the channel was busy or the command was damaged (0xF1, 0xF2, 0xF4): it will be repeated.
+  -- Not executed, because the channel was busy or the telegram had an error (0xF1 to 0xF4): it will be repeated.
   local function is_to_be_repeated(body)
     local status = body.status
 
@@ -6254,7 +6255,7 @@ do
   -- A good telegram that may end a transfer: cancelled, refused, or superseded by another parameter of the same
   -- device.
   function S.sequence_watch(body)
-    if not has_exchange(body) then return end
+    if not S.has_exchange(body) then return end
     if not packet.visited then watch(body) end
     local ended = S.step(body.record, body.element).ended
 
@@ -7884,7 +7885,7 @@ end
 do
   local MS = 1000000 -- in ns
   local OPERATOR_TERMINAL_SILENCE = 200 * MS -- after it an operator terminal considers its link lost (chapter 10.1)
-  local DEAD_BUS_SILENCE = 0xFFFFFFFF -- ns; the bus is dead after it: longer than an interval that a record can hold
+  local DEAD_BUS_SILENCE = K.LONGEST_INTERVAL -- after a silence that a record cannot hold, the bus is dead
 
   -- 0: use what the bus has set.
   -- The three limits, and their display.
@@ -8027,23 +8028,27 @@ do
     end
   end
 
+  -- Its verdict on TrS; its span, if known; whether the verdict depends on what counts.
+  function S.judge_trs(exchange, times, limit)
+    local span = times.begin_earliest and exchange.command_end_earliest
+      and S.span_between(exchange.command_end_earliest, exchange.command_end, times)
+    local whole, idle = S.judge_both(span or {least = 0, most = K.ANY_TIME}, times.record.character_ns, limit)
+
+    return S.verdict(whole, idle, K.FROM_UNKNOWN), span, whole ~= idle
+  end
+
   -- The reaction time of a slave on this line; behind a router it includes times of other lines.
   local function show_trs(t)
     local exchange, times = t.record.exchange, t.telegram.times
-    local is_resolvable = times.begin_earliest and exchange.command_end_earliest
-    local span = is_resolvable and S.span_between(exchange.command_end_earliest, exchange.command_end, times)
-      or {least = 0, most = K.ANY_TIME}
-    local whole, idle = S.judge_both(span, times.record.character_ns, t.trs)
-    local verdict = S.verdict(whole, idle, K.FROM_UNKNOWN)
+    local verdict, span, is_ambiguous = S.judge_trs(exchange, times, t.trs)
     local words = ": how exact the times are is not known"
 
-    if is_resolvable then
-      words = verdict == K.TIME_UNRESOLVED and whole ~= idle and ": depends on whether the first character counts"
-        or ""
+    if span then
+      words = verdict == K.TIME_UNRESOLVED and is_ambiguous and ": depends on whether the first character counts" or ""
     end
     if t.tree or verdict ~= K.TIME_OK then
       show_verdict(t, trs, P.trs_ms == 0 and setting(t, K.TRS), t.trs, verdict, words,
-        is_resolvable and span_text(span))
+        span and span_text(span))
     end
   end
 
@@ -8274,7 +8279,6 @@ do
   local ALL = "All"
   local LINE_ERRORS = K.SERTAP_ERROR_CHARACTER + K.SERTAP_ERROR_BREAK + K.SERTAP_ERROR_LOST + K.SERTAP_ERROR_UNLOCATED
   local NOT_MEASURED = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_ERROR_LOST
-  local LONGEST_INTERVAL = 0xFFFFFFFF -- ns that a record can hold
 
   sis.prefs.statistics = Pref.string("Statistics that tshark prints", "",
     "Of tree, tza, bus, srt and parameters, with commas between them: tshark -q -o sis.statistics:tree,bus")
@@ -8409,7 +8413,7 @@ do
 
   -- An interval as long as can be stored may have been longer.
   local function bound_text(ns)
-    return (ns == LONGEST_INTERVAL and ">" or "") .. ms_text(ns)
+    return (ns == K.LONGEST_INTERVAL and ">" or "") .. ms_text(ns)
   end
 
   local function quantile_text(row, percent)
@@ -8558,13 +8562,7 @@ do
       add_to(row, "cycles", 1)
     end
     if timing.tza > 0 and timing.longest and timing.longest.verdict == K.TIME_EXCEEDED then add_to(row, "tza", 1) end
-    if timing.trs > 0 and times.begin_earliest and exchange.command_end_earliest then
-      local span = S.span_between(exchange.command_end_earliest, exchange.command_end, times)
-
-      local whole, idle = S.judge_both(span, times.record.character_ns, timing.trs)
-
-      if S.verdict(whole, idle, K.FROM_UNKNOWN) == K.TIME_EXCEEDED then add_to(row, "trs", 1) end
-    end
+    if timing.trs > 0 and S.judge_trs(exchange, times, timing.trs) == K.TIME_EXCEEDED then add_to(row, "trs", 1) end
   end
 
   local function station_of(rows, station)

@@ -71,29 +71,14 @@ def test_accesses_to_parameters(plugin: Tshark, script: Tshark) -> None:
     """In the list of parameters, and as JSON."""
     capture = CAPTURE.with_name("accesses.pcapng")
     assert len(check(plugin, script, capture)["parameters"]) == 7
-    asked = (
-        "-r",
-        str(capture),
-        "-T",
-        "fields",
-        "-e",
-        "frame.number",
-        "-e",
-        "sis.access",
-        "-Y",
-        "sis.access",
-    )
+    asked = ("-r", str(capture), "-T", "fields", "-e", "frame.number", "-e", "sis.access", "-Y", "sis.access")
     assert plugin.output(*asked) == script.output(*asked) != ""
 
 
 def test_names_of_a_drive_as_json(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
     """All characters that a name can have, the name of P-0-0001 of station 3 (chapter 6); then its value is read."""
     telegrams = []
-    for control, data in (
-        (0x14, bytes(range(128))),
-        (0x24, bytes(range(128, 240))),
-        (0x3C, b"\5\0"),
-    ):
+    for control, data in ((0x14, bytes(range(128))), (0x24, bytes(range(128, 240))), (0x3C, b"\5\0")):
         telegrams.append(build(0x10, 16, 3, bytes([control, 3, 0, 1, 0x80])))
         telegrams.append(build(0x10, 16, 3, bytes([0, control, 3]) + data, reaction=True))
     capture = written(tmp_path, *telegrams)
@@ -118,21 +103,12 @@ def test_values_from_before_their_attribute(passes: tuple[str, ...], plugin: Tsh
 @pytest.mark.thorough
 @pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 def test_each_capture(path: Path, plugin: Tshark, script: Tshark) -> None:
-    check(
-        plugin,
-        script,
-        path.with_suffix(".pcapng"),
-        *options(Scenario(path).options, ()),
-    )
+    check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path).options, ()))
 
 
 @groups_and_passes
 def test_all_captures_together(
-    group: Group,
-    passes: tuple[str, ...],
-    plugin: Tshark,
-    script: Tshark,
-    tmp_path: Path,
+    group: Group, passes: tuple[str, ...], plugin: Tshark, script: Tshark, tmp_path: Path
 ) -> None:
     capture = tmp_path / "merged.pcapng"
     group.write(capture)

@@ -137,7 +137,7 @@ class Machine:
     def exchange(self, *accesses: Access, station: int = 0, master: int = PLC, **more: Any) -> None:
         """Ask a drive and let it answer."""
         station = station or int(accesses[0].parameter.station.partition("/")[0])
-        self.ask(station, master, **{key: value for key, value in more.items() if key in ("service",)})
+        self.ask(station, master, **{key: value for key, value in more.items() if key in ("service", "phase")})
         self.answer(station, *accesses, master=master, **more)
 
     def write(self, station: int, ident: str, value: str | float, *, master: int = PLC, **more: Any) -> None:
@@ -168,13 +168,13 @@ class Machine:
         for _ in range(records):
             self.put(type=OTHER, after_s=every_s)
 
-    def boot(self, *stations: int, stuck: int = 0) -> None:
-        """Initialise drives: identification, times, phases. One may stay in phase 2."""
+    def boot(self, *stations: int, stuck: int = 0, switch: int = 0x1D) -> None:
+        """Initialise drives: identification, times, phases by a service. One may stay in phase 2."""
         for station in stations or self.drives:
             self.exchange(station=station, service=0x00)
             self.exchange(station=station, service=0x03)
             for phase in ("2",) if station == stuck else ("2", "4"):
-                self.exchange(station=station, service=0x1D, phase=phase)
+                self.exchange(station=station, service=switch, phase=phase)
                 self.now_s += 1
 
     def run(self, seconds: float, *more: Access, every_s: float = 2.0) -> None:

@@ -46,12 +46,12 @@ def answers(number: int) -> Sequence[bytes]:
 
 
 def captured(path: Path, is_joined: bool) -> Path:
-    """Write the same bus twice: both commands and both reactions in a packet, or each alone."""
+    """Write the same bus: both commands and both reactions in a packet, or each alone, as until the first refusal."""
     blocks = [pcapng.section_header("", ""), pcapng.interface_description(pcapng.Interface(IPV4, "tcp"))]
     sent, time_ns = {True: 1, False: 1}, START_NS
     for number in range(ROUNDS):
         for from_master, telegrams in ((True, [READ_3, READ_4]), (False, answers(number))):
-            for payload in [b"".join(telegrams)] if is_joined else telegrams:
+            for payload in [b"".join(telegrams)] if is_joined and number >= min(REFUSED) else telegrams:
                 packet = segment(from_master, sent[from_master], sent[not from_master], payload)
                 blocks.append(pcapng.enhanced_packet(0, time_ns, packet))
                 sent[from_master] += len(payload)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from machines import (
+    BEGIN_S,
     FAULT,
     LAPTOP,
     PANEL,
@@ -23,11 +24,13 @@ from machines import (
     access,
     diagnosis,
     judged,
+    packet,
     telegram,
     undescribed,
 )
 
 from sistap.accesses.access import Access
+from sistap.episodes.masters import Masters
 from sistap.episodes.rules import RULES, Severity
 from sistap.line.settings import Flag
 from sistap.packets.dissection import EXCEEDED, UNRESOLVED
@@ -182,6 +185,7 @@ def unanswered(count: int, **more: Any) -> Play:
     return then(run(30), *[then(do("silent", 3, 1, **more), do("exchange", station=3))] * count, run(30))
 
 
+BUSY = "0x8001 Service channel busy"
 REFUSED = access(3, "S-0-4095", "", error="0x1001")
 PAUSES = [then(run(30, has_panel=False), run(10))] * 3
 KNOWN = access(5, LIMIT, 3000.0)
@@ -305,6 +309,9 @@ CASES = (
     ),
     Case("boot", NOTE, do("boot"), then(run(30), do("boot", 5), run(60))),
     Case("boot", NOTE, then(run(30), do("boot", 4, 5)), reaction(service=0x00)),
+    Case("boot", NOTE, *(do("ask", station, service=0x1D, phase="2") for station in (199, 200))),  # one; a group
+    # 0xCD switches a phase only if the user has set CLC's services: then it has one
+    Case("boot", NOTE, then(run(30), do("boot", 4, 5, switch=0xCD)), then(run(30), reaction(service=0xCD))),
     Case("stopped", NOTE, then(run(60), do("stop", 30), run(60)), say(STANDS, 3)),
     Case("stopped", NOTE, then(run(60), do("stop", 8), run(60)), then(run(60), do("stop", 4), run(60))),
     Case("stopped", NOTE, rests(9), rests(7)),  # an indexing axis rests for less than 15 s
@@ -346,13 +353,15 @@ CASES = (
     Case("beyond", LOOK, told(SPEED, [-3001], **IN_LIMITS), told(SPEED, [-3000], **IN_LIMITS)),
     Case("beyond", LOOK, told(SPEED, [3001], maximum="3000 rpm"), told(SPEED, [3001], minimum="3000 rpm")),
     Case("beyond", LOOK, told(SPEED, [3001], **IN_LIMITS), told(SPEED, [3001], minimum="9 %", maximum="-9 %")),
+    Case("beyond", LOOK, told(SPEED, [3001], maximum="3e+03 rpm"), told(SPEED, [3001], maximum="3.402823e+38 rpm")),
     Case("apart", LOOK, behind(899, 65), behind(900, 65)),
     Case("apart", LOOK, behind(500, 23), behind(500, 20)),
     Case("apart", LOOK, behind(500, 65, is_named=True), behind(950, 65, is_named=True)),  # meanwhile somebody names it
     Case("chatter", LOOK, flips(6), flips(5)),
     Case("error", LOOK, refused(is_known=True), refused(is_known=False)),
     Case("error", LOOK, refused(is_known=False, is_write=True), refused(is_known=False)),
-    Case("busy", NOTE, refused(is_known=True, code="0x8001 Service channel busy"), refused(is_known=True)),
+    Case("busy", NOTE, refused(is_known=True, code=BUSY), refused(is_known=True)),
+    Case("busy", LOOK, *(then(*[refused(is_known=True, code=BUSY)] * count) for count in (20, 19))),
     Case("stuck", LOOK, do("boot", stuck=4), do("boot")),
     Case("never", NOTE, refused(is_known=False), refused(is_known=True)),
     Case("slower", LOOK, late(0.030), late(0.014)),
@@ -403,6 +412,7 @@ CASES = (
     Case("limits", LOOK, limits(0.05, 0.04), limits(0.05, 0.05)),
     Case("recipe", NOTE, recipe(4), recipe(3)),
     Case("again", ERROR, sign("again", count=3), sign("again", count=2)),
+    Case("again", ERROR, *(then(*[then(sign("again"), pause(120))] * count) for count in (3, 2))),
     Case("again", NOTE, sign("again"), then(do("damage"), do("answer", 3, signs=("again",)))),
     Case("late", ERROR, judging("reaction", EXCEEDED), judging("reaction", UNRESOLVED)),
     Case("interval", ERROR, judging("pause", EXCEEDED), judging("pause", UNRESOLVED)),
@@ -445,7 +455,25 @@ def of(play: Play, kind: str) -> list[Severity]:
 @pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.kind}-{case.severity.name}")
 def test_what_is_an_episode_and_what_nearly_is(case: Case) -> None:
     assert max(of(case.happens, case.kind), default=None) == case.severity
-    assert max(of(case.nearly, case.kind), default=Severity.INFO) < case.severity
+    assert max(of(case.nearly, case.kind), default=0) < case.severity
+
+
+def test_a_write_is_refused_where_a_good_capture_refused_a_read() -> None:
+    good = Machine()
+    good.refuse(5, LIMIT, "0x1001")
+    for is_write, kind in ((False, "never"), (True, "error")):
+        machine = Machine(before=good.engine)
+        machine.refuse(5, LIMIT, "0x1001", is_write=is_write)
+        assert machine.told().kinds == [kind]
+
+
+def test_what_only_a_recorder_asks_for_is_not_kept() -> None:
+    """Memory is bounded, and a visitor may ask for hours."""
+    masters = Masters()
+    for number in range(400):
+        masters.add(packet(BEGIN_S + number, telegram(LAPTOP if number > 250 else PLC, 3)))
+    assert len(masters.begun()) == 1
+    assert masters.begun() == []
 
 
 def test_each_kind_has_a_case() -> None:

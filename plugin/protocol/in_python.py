@@ -194,8 +194,7 @@ def faults(description: Description) -> str:
         "# Expert items that tell an episode by themselves, and its kind.",
         "SIGNS: Mapping[str, str] = {",
     ]
-    found = {test.partition(" ")[0] for fault in description.faults for test in fault.tests}
-    signs = [one for one in description.experts if one.episode and one.filter not in found and one.episode in OWN]
+    signs = [one for one in description.experts if one.episode in OWN]
     lines += [*(f'    "{one.filter}": "{one.episode}",' for one in signs), "}"]
     return "\n".join([*lines, ""])
 

@@ -4,6 +4,12 @@
 
 #include "parameters/text.h"
 
+bool
+sis_has_exchange(const sis_body_t *body)
+{
+    return body->record != NULL && body->record->exchange != NULL;
+}
+
 unsigned
 sis_left(const sis_body_t *body)
 {

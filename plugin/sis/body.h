@@ -31,11 +31,13 @@ typedef struct {
     wmem_strbuf_t *marks;      /* and what is wrong, after that */
     sis_request_t *request;    /* of a command: filled in while reading */
     sis_request_t *asked;      /* as the exchange keeps it; NULL if unknown */
-    /* First pass, of a command: the same of the command before, if that had the same bytes; NULL: it had not.
-     */
+    /* First pass, of a command: what the command before asked for, if it had the same bytes; else NULL */
     const sis_request_t *before;
     sis_record_t *record; /* of the whole telegram; NULL for a damaged one */
 } sis_body_t;
+
+/* Whether the telegram is a good one, whose exchange is known. */
+bool sis_has_exchange(const sis_body_t *body);
 
 /* Whether that many bytes are left for a field; if not, adds a note once per body. */
 bool sis_needs(sis_body_t *body, int hf, unsigned size);

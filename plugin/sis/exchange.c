@@ -544,7 +544,7 @@ take_over(sis_request_t *request, const sis_request_t *before)
     }
 }
 
-/* `before` is the same of the command before; NULL: none. */
+/* `before`: the request of the command before, if it had the same bytes; else NULL. */
 static sis_request_t *
 copy_request(const sis_request_t *request, const sis_request_t *before, bool is_repeat)
 {

@@ -179,8 +179,8 @@ typedef struct sis_stream {
         sis_exchange_t *last; /* command; NULL: none yet */
         uint8_t *bytes;       /* of that command */
         unsigned length;
-        const sis_request_t
-            *same; /* of the command before that, if it had the same bytes; NULL: it had not */
+        /* of the command before that, if it had the same bytes; else NULL */
+        const sis_request_t *same;
         sis_switch_t phase_switch;
         struct sis_transfer *transfers; /* of sequential telegrams, under way */
     } from[2];
@@ -194,7 +194,7 @@ sis_record_t *sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_tel
 const sis_rare_t *sis_rare(const sis_record_t *record);
 sis_rare_t *sis_make_rare(sis_record_t *record);
 
-/* The same of a service of the telegram, by its element. */
+/* The rare results of one service of the telegram, by its element; 0: of the telegram itself. */
 const sis_step_t *sis_step(const sis_record_t *record, unsigned element);
 sis_step_t *sis_make_step(sis_record_t *record, unsigned element);
 

@@ -243,7 +243,7 @@ new_object(const sis_body_t *body, const char *type)
 {
     object_t *object;
 
-    if (!have_tap_listener(tap) || body->record == NULL || body->record->exchange == NULL)
+    if (!have_tap_listener(tap) || !sis_has_exchange(body))
         return NULL;
     object = wmem_new0(body->pinfo->pool, object_t);
     object->piece.type = type;

@@ -125,10 +125,11 @@ dissect_control_ecodrive03(const dissection_t *d, proto_item *ti)
 static const char *
 kind_of_command(const sis_telegram_t *telegram)
 {
-    const char *text = try_val_to_str(sis_receiver_kind(telegram->last_address), sis_message_kinds);
+    const char *text;
 
     if (telegram->is_reaction)
         return NULL;
+    text = try_val_to_str(sis_receiver_kind(telegram->last_address), sis_message_kinds);
     return text != NULL ? text : try_val_to_str(sis_general_service(telegram->service), sis_command_kinds);
 }
 

@@ -339,12 +339,6 @@ put_together(sis_body_t *body, tvbuff_t *piece, unsigned number, bool is_last)
     return whole;
 }
 
-static bool
-has_exchange(const sis_body_t *body)
-{
-    return body->record != NULL && body->record->exchange != NULL;
-}
-
 /* Of an element of a list, or of a list as a whole. */
 static bool
 is_in_list(const sis_body_t *body)
@@ -358,7 +352,7 @@ sis_is_sequence_open(const sis_body_t *body, const sis_subject_t *subject)
     transfer_t like = {.service = body->service, .is_in_list = is_in_list(body), .subject = *subject};
     const sis_exchange_t *exchange;
 
-    if (!has_exchange(body))
+    if (!sis_has_exchange(body))
         return false;
     if (body->pinfo->fd->visited)
         return sis_is_piece(body);
@@ -373,7 +367,7 @@ sis_sequence_data(sis_body_t *body, const sis_subject_t *subject, bool is_last)
     transfer_t like = {.service = body->service, .is_in_list = is_in_list(body), .subject = *subject};
     unsigned number = 0;
 
-    if (has_exchange(body) && !body->pinfo->fd->visited) {
+    if (sis_has_exchange(body) && !body->pinfo->fd->visited) {
         if (is_taken_before(body))
             note_repeated(body, &like);
         else
@@ -456,8 +450,8 @@ is_cancelled(const sis_request_t *cancel, const transfer_t *transfer)
     return true;
 }
 
-/* A reaction that says that the command was not executed, because the channel was busy or the command was
- * damaged (0xF1, 0xF2, 0xF4): it will be repeated. */
+/* A reaction that says that the command was not executed, because the channel was busy or the telegram had an
+ * error (0xF1 to 0xF4): it will be repeated. */
 static bool
 is_to_be_repeated(const sis_body_t *body)
 {
@@ -586,9 +580,9 @@ watch(const sis_body_t *body)
         return;
     if (body->service != SIS_LIST)
         watch_reaction(body, body->asked);
-    for (sis_request_t *asked = body->asked->list;
-         body->service == SIS_LIST && is_without_elements && asked != NULL; asked = asked->next)
-        watch_reaction(body, asked);
+    else if (is_without_elements)
+        for (sis_request_t *asked = body->asked->list; asked != NULL; asked = asked->next)
+            watch_reaction(body, asked);
 }
 
 /* The latest first, as they were noted. */
@@ -611,7 +605,7 @@ sis_sequence_watch(sis_body_t *body)
 {
     const sis_ended_t *ended;
 
-    if (!has_exchange(body))
+    if (!sis_has_exchange(body))
         return;
     if (!body->pinfo->fd->visited)
         watch(body);

@@ -450,7 +450,7 @@ count_talker(stat_tap_table *table, const sis_telegram_t *telegram)
     count_timing(table, row, telegram);
     if (times->record == NULL)
         return;
-    ((row_t *)sis_table_row(table, row))->busy += (uint64_t)sertap_character_ns(times->record) * times->count;
+    ((row_t *)sis_table_row(table, row))->busy += (uint64_t)times->character * times->count;
     sis_table_count(table, row, BUS_LINE, line_errors(times->record, times->first, times->count));
 }
 

@@ -20,8 +20,8 @@
 /* An operator terminal considers its link lost after this silence (chapter 10.1). */
 #define OPERATOR_TERMINAL_SILENCE (200 * MS)
 
-/* The bus is dead after this silence: longer than an interval that a record can hold. */
-#define DEAD_BUS_SILENCE INT64_C(4294967295)
+/* After a silence that a record cannot hold, the bus is dead. */
+#define DEAD_BUS_SILENCE ((int64_t)UINT32_MAX)
 
 /* A telegram whose timing is examined. */
 typedef struct {
@@ -195,7 +195,7 @@ verdict_numbers(const timing_t *t)
 static const char *
 idle_text(const timing_t *t, int64_t ns)
 {
-    int64_t character = sertap_character_ns(t->telegram->times.record);
+    int64_t character = t->telegram->times.character;
 
     if (character == 0)
         return wmem_strdup_printf(t->pinfo->pool, "%s (idle time not known", ms_text(t, ns));

@@ -5,16 +5,19 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import chain
 
 from sistap.episodes.episode import Hit, numbers
 from sistap.episodes.faults import slave
 from sistap.packets.dissection import Packet, Telegram
 from sistap.records.record import Event
+from sistap.sis.codes import LIKE, LIKE_IF_SET
 from sistap.wireshark.rows import EVENT
 
 _IDENTIFY, _SET = 0x00, 0x03
-_SWITCH = {0x1D, 0x8D, 0x9D}
-STEPS = {_IDENTIFY, _SET, *_SWITCH}
+_LIKE = chain(LIKE.items(), *(like.items() for like in LIKE_IF_SET.values()))
+SWITCH = {0x1D, *(service for service, general in _LIKE if general == 0x1D)}  # those with a phase: set by a preference
+STEPS = {_IDENTIFY, _SET, *SWITCH}
 _READY = "4"  # operating mode (chapter 8.5)
 _APART_S = 60.0  # steps that follow one another within this time belong together
 
@@ -57,7 +60,7 @@ class Boots:
         station, service = slave(telegram), telegram.service or 0
         if station is None:
             return
-        if not telegram.is_reaction and service in STEPS:
+        if not telegram.is_reaction and (telegram.phase if service in SWITCH else service in STEPS):
             if self._boot is None:
                 self._boot = _Boot(packet.epoch_s, packet.ended_s, packet.number, known=frozenset(self._known))
             self._boot.stations.setdefault(station, set()).add(service)
@@ -72,7 +75,7 @@ class Boots:
         boot, self._boot = self._boot, None
         if boot is None:
             return
-        begun = {station for station, steps in boot.stations.items() if steps & _SWITCH or {_IDENTIFY, _SET} <= steps}
+        begun = {station for station, steps in boot.stations.items() if steps & SWITCH or {_IDENTIFY, _SET} <= steps}
         place = boot.packet, boot.begin_s, boot.last_s
         is_first = begun and not begun & boot.known
         if is_first or (len(begun) > 1 and 2 * len(begun) >= len(self._known)):
@@ -84,5 +87,5 @@ class Boots:
             return
         for station in begun:
             steps = "identified, " if _IDENTIFY in boot.stations[station] else ""
-            if boot.stations[station] - _SWITCH:
+            if boot.stations[station] - SWITCH:
                 yield Hit("restart", *place, station, "", f"{steps}initialised again", port=port)

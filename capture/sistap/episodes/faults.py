@@ -13,11 +13,9 @@ from sistap.episodes.masters import station_of
 from sistap.episodes.rules import Severity
 from sistap.packets.dissection import DOUBTFUL, EXCEEDED, LOST, Judged, Packet, Telegram
 from sistap.records.record import Event, interval_text
-from sistap.sis.telegram import service_name
+from sistap.sis.telegram import FIRST_GROUP, service_name
 from sistap.wireshark.rows import EVENT, OTHER
 
-_ALL = 255  # the address of all stations
-_GROUPS = 200  # the first address of a group
 _KINDS = {"damaged": "damaged", "error_reaction": "error"}  # of faults in the table
 _LIMITS = (("late", "TrS", "reaction"), ("interval", "TzA", "pause"), ("cycle", "Tmas", "cycle"))
 _PARAMETERS = {0x0, 0x1}  # the last digit of a service that reads parameters
@@ -34,9 +32,9 @@ def ms(time_s: float) -> str:
 
 
 def slave(telegram: Telegram) -> int | None:
-    """Return the station that a telegram is about: not the master; None for all stations."""
+    """Return the station that a telegram is about: not the master; None for a group, or all."""
     station = telegram.talker if telegram.is_reaction else telegram.listener
-    return None if station == _ALL else station
+    return None if station is None or station >= FIRST_GROUP else station
 
 
 def hit_of(kind: str, packet: Packet, station: int | None, detail: str = "", **more: Any) -> Hit:
@@ -151,10 +149,9 @@ def _limits(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
 def _signs(packet: Packet, telegram: Telegram, signs: Iterable[str]) -> Iterator[Hit]:
     """Yield what an expert item of the dissector alone tells."""
     for kind in signs:
-        station = telegram.talker if kind in ("warning_bit", "early") else slave(telegram)
-        station = None if station is None or station >= _GROUPS else station
+        station = telegram.talker if kind == "warning_bit" else slave(telegram)
         detail = f"master {telegram.talker} did not wait for TrS" if kind == "early" else ""
-        yield hit_of(kind, packet, slave(telegram) if kind == "early" else station, detail)
+        yield hit_of(kind, packet, station, detail)
 
 
 def _others(packet: Packet) -> Iterator[Hit]:
@@ -166,14 +163,17 @@ def _others(packet: Packet) -> Iterator[Hit]:
                 yield hit_of(kind, packet, station)
 
 
+_Refused = tuple[Parameter, str, bool]  # without its port; its error; whether it was written
+
+
 class Refusals:
     """Reactions with an error. What a station has never known is no fault, however often somebody asks for it."""
 
     def __init__(self, before: Refusals | None = None) -> None:
         """Begin with nothing known. What was refused in a good capture may be refused."""
         self._good: set[Parameter] = set()
-        self._usual: set[tuple[Parameter, str]] = before._refused if before else set()
-        self._refused: set[tuple[Parameter, str]] = set()  # without the port
+        self._usual: set[_Refused] = before._refused if before else set()
+        self._refused: set[_Refused] = set()
 
     def know(self, parameter: Parameter) -> None:
         """Learn that a station knows a parameter."""
@@ -183,7 +183,8 @@ class Refusals:
         """Return the refusals of a packet."""
         if len(packet.telegrams) == 1:
             return self._of(packet, packet.telegrams[0], packet.accesses)
-        each = ((telegram, accesses(telegram.columns)) for telegram in packet.telegrams)
+        port = {"frame.interface_name": packet.interface}
+        each = ((telegram, accesses({**telegram.columns, **port})) for telegram in packet.telegrams)
         return [hit for telegram, said in each for hit in self._of(packet, telegram, said)]
 
     def _of(self, packet: Packet, telegram: Telegram, said: Iterable[Access]) -> list[Hit]:
@@ -199,7 +200,7 @@ class Refusals:
     def _of_parameter(self, packet: Packet, access: Access) -> Hit:
         more = {"parameter": access.parameter.ident, "topic": f"{access.error} {access.is_write}"}
         what = f"{'write: ' if access.is_write else ''}{access.error}"
-        key = access.parameter._replace(port=""), access.error
+        key = access.parameter._replace(port=""), access.error, access.is_write
         if len(self._refused) < MOST:
             self._refused.add(key)
         if access.error.startswith(_BUSY):

@@ -2,7 +2,7 @@
 """What belongs together is told once: the state of a machine, with all that it explains.
 
 1. The same from two sources (S-0-0390 and S-0-0095), or of several stations at once, becomes one.
-2. Faults of most drives at once are an emergency stop; a silence and a boot are a machine that was switched off.
+2. An emergency stop is its fault in two drives at once; a machine that was switched off is a silence and a boot.
 3. What a state explains is left out, by the table EXPLAINS.
 4. What is only bad in numbers (damaged telegrams) gets its severity.
 """
@@ -282,10 +282,11 @@ def _weighed(episodes: Sequence[Episode], telegrams: int, thresholds: Thresholds
     often = {kind for kind, part in parts.items() if part >= thresholds.damage_part}
     found = [one for one in episodes if one.kind not in often]
     found += _joined((one for one in episodes if one.kind in often), lambda one, other: one.kind == other.kind)
+    again = sum(one.count for one in found if one.kind == "again")
     for one in found:
-        if one.kind == "again" and one.count < thresholds.again:
+        if one.kind == "again" and again < thresholds.again:
             one.severity = Severity.NOTE
-        elif parts.get(one.kind, 0.0) >= thresholds.damage_bad:
+        elif one.kind in DAMAGE and parts.get(one.kind, 0.0) >= thresholds.damage_bad:
             one.severity = Severity.ERROR
         elif one.kind in often or (one.kind in DAMAGE and one.count >= thresholds.damage_burst):
             one.severity = Severity.WARNING

@@ -85,7 +85,7 @@ _COUNTED = {
     "unanswered": ("command without a reaction", "commands without a reaction"),
     "against": ("telegram against the rules", "telegrams against the rules"),
 }
-_UNDESCRIBED = "{} parameters read without a description: sistap parameters --from FILE.par names them"
+_UNDESCRIBED = "parameters without a description: {}; sistap parameters --from FILE.par names them"
 _IN_MS = {"late", "interval", "cycle"}  # the worst is a time
 
 
@@ -235,7 +235,7 @@ def _groups(episodes: Iterable[Episode]) -> Sequence[Sequence[Episode]]:
     """Return the episodes by kind, in the order of RULES; and by severity, unless they are counted."""
     groups: dict[tuple[str, int], list[Episode]] = {(kind, rank): [] for kind in RULES for rank in Severity}
     for one in episodes:
-        groups[one.kind, Severity.INFO if one.kind in _COUNTED else one.severity].append(one)
+        groups[one.kind, Severity.NOTE if one.kind in _COUNTED else one.severity].append(one)
     return [found for found in groups.values() if found]
 
 
@@ -398,7 +398,6 @@ def _words(episode: Episode, clock: Callable[[float], str]) -> dict[str, str]:
         "short": _LONG_HEX.sub("", re.split(r" \(|; ", hit.detail)[0]),
         "by": by,
         "values": _numbers(values or hit.detail.split(", nobody")[0]) if hit.worst is not None or not by else values,
-        "lasted": lasted,
         "more": "".join(f", {_ZEROS.sub(_point, one)}" for one in (episode.cause, episode.outcome) if one),
         "silence": hit.detail if never else f"from {clock(episode.from_s)} ({lasted})",
     }

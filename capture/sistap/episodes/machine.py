@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from sistap.episodes.readings import Reading, code_of, is_running
-from sistap.episodes.standard import FOLLOWS, FORMS
+from sistap.episodes.standard import FORMS
 
 MOST = 2000  # changes that are remembered
 _ENABLED = 0xE000  # bits 15 to 13 of the master control word
@@ -49,7 +49,7 @@ class Machine:
     _drives: dict[int, _Drive] = field(default_factory=dict)
 
     def add(self, now_s: float, station: int, ident: str, said: Reading) -> None:
-        """Take what a drive says. Other parameters than those of LOOKED_AT say nothing."""
+        """Take what a drive says of one of LOOKED_AT."""
         drive = self._drives.setdefault(station, _Drive())
         before = drive.is_running(now_s)
         since_s = LOOKED_AT[ident](drive, now_s, ident, said)
@@ -120,6 +120,6 @@ def _speed(drive: _Drive, now_s: float, _: str, said: Reading) -> float:
 _BY_FORM = {"control_word": _control, "status_word": _status, "diagnosis": _diagnosis, "diagnosis_text": _diagnosis}
 LOOKED_AT: Mapping[str, Callable[[_Drive, float, str, Reading], float]] = {
     **{ident: _BY_FORM[form] for ident, form in FORMS.items() if form in _BY_FORM},
-    **dict.fromkeys(FOLLOWS.keys() & {_SPEED}, _speed),
+    _SPEED: _speed,
 }
-WRITTEN = {ident for ident, form in FORMS.items() if form == "control_word"}  # only a write says it
+WRITTEN = {ident for ident, form in FORMS.items() if form == "control_word"}  # a write says it, too

@@ -12,7 +12,6 @@ from sistap.episodes.rules import THRESHOLDS, Thresholds
 from sistap.packets.dissection import Packet, Telegram
 
 _TOKEN = 0x0F
-_LONG_S = 3.0  # a bus that says nothing for longer is silent: then no master is missing
 _SINCE = 50  # commands of others after which a master that is not heard is missing
 
 
@@ -28,7 +27,6 @@ class _Master:
     packet: int
     from_s: float
     to_s: float
-    is_usual: bool
     at_s: float  # of its last command, by that clock
     longest_s: float = 0.0  # pause
     commands: int = 0
@@ -65,9 +63,10 @@ class Masters:
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Learn who asks."""
+        self._begun.clear()  # nobody asks for them but while it happens
         if self._began_s is None:
             self._began_s = self._last_s = packet.epoch_s
-        if packet.epoch_s - self._last_s > _LONG_S:
+        if packet.epoch_s - self._last_s > self._thresholds.bus_silent_s:  # then no master is missing
             self._silent_s += packet.epoch_s - self._last_s
         self._last_s = packet.epoch_s
         for telegram in packet.telegrams:
@@ -84,8 +83,7 @@ class Masters:
         now_s = self._last_s - self._silent_s
         master = self._masters.get(number)
         if master is None:
-            is_usual = number in self._usual
-            master = self._masters[number] = _Master(packet.number, packet.epoch_s, 0.0, is_usual, now_s)
+            master = self._masters[number] = _Master(packet.number, packet.epoch_s, 0.0, now_s)
         master.longest_s = max(now_s - master.at_s, master.longest_s)
         master.at_s, master.to_s, master.before = now_s, packet.ended_s, self._commands
         master.commands += 1
@@ -95,7 +93,7 @@ class Masters:
                 self._invited.add(telegram.listener)
         if master.commands == self._thresholds.learning_commands and number in self._invited:
             self._usual.add(number)  # a control that takes turns with another one
-        if not master.is_usual and telegram.listener not in self._usual:  # to a master: a token
+        if number not in self._usual and telegram.listener not in self._usual:  # to a master: a token
             place = packet.number, packet.epoch_s, packet.ended_s, telegram.listener
             detail = f"asked by new master {number}"
             self._begun.append(Hit("master", *place, detail=detail, port=packet.interface, topic=str(number)))
@@ -108,14 +106,14 @@ class Masters:
             known.read += not is_write
 
     def begun(self) -> list[Hit]:
-        """Return the commands of new masters since it was asked last."""
+        """Return the commands of new masters in the last packet, once."""
         begun, self._begun = self._begun, []
         return begun
 
     def finish(self, port: str) -> Iterator[Hit]:
         """Yield the visits of new masters, and masters that are not heard any more."""
         for number, master in self._masters.items():
-            if not master.is_usual:
+            if number not in self._usual:
                 if master.stations - self._usual:
                     yield _visit(port, number, master)
                 continue

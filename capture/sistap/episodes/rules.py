@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The kinds of episodes and the thresholds: the only place that says what is unusual.
+"""The kinds of episodes, how bad each is and what to do; and the thresholds that --rule changes.
 
 What is wrong with a single telegram is said in plugin/protocol/faults.toml.
 """
@@ -20,7 +20,7 @@ class Severity(enum.IntEnum):
     machine.
     """
 
-    INFO, NOTE, WARNING, ERROR = range(4)
+    NOTE, WARNING, ERROR = range(1, 4)
 
 
 class Subject(enum.IntEnum):
@@ -53,7 +53,7 @@ _ALWAYS = math.inf
 _LINE = "Check cable, termination, ground and shield; what is switched at these times?"
 
 _BUS, _SILENT, _DRIVES, _CHANGED, _LIMITS = Subject
-_, _NOTE, _WARNING, _ERROR = Severity
+_NOTE, _WARNING, _ERROR = Severity
 
 # In the order of the answer: within a severity, the first comes first.
 RULES: Mapping[str, Rule] = MappingProxyType(
@@ -67,7 +67,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "bus_silent": Rule(
             *(_BUS, _ERROR, "Bus silent"),
-            "No character for 3 s, and three times as long as the usual silences; no boot follows.",
+            "No character for 3 s, and three times as long as usual; no boot follows. A note: too little was heard to know.",
             "Look for a master that stopped, or a loose cable.",
             join_s=0,
         ),
@@ -99,7 +99,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "rhythm": Rule(
             *(_BUS, _NOTE, "Bus silent in a rhythm"),
-            "After ten silences in a rhythm, the next ones: a master may ask once a minute, or a cable be loose.",
+            "Silences after ten others in a rhythm. Perhaps the master asks once a minute, or a cable is loose.",
             join_s=_ALWAYS,
             is_kept=False,
         ),
@@ -210,7 +210,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "never": Rule(
             *(_DRIVES, _NOTE, "Not known to the station"),
-            "A station refuses to read what it never answered.",
+            "A station refuses to read a parameter that it never gave.",
             "Nothing, or take it off the list of the master.",
             filter=_FILTERS["error_reaction"],
             join_s=_ALWAYS,
@@ -218,7 +218,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "busy": Rule(
             *(_DRIVES, _NOTE, "Busy"),
-            "A station was busy, and the master has to ask again. Many are a warning, as of damaged.",
+            "A station was busy, and the master has to ask again. Look at it: 20, and 0.1 % of all telegrams.",
             "Look who else asks this station.",
             filter=_FILTERS["error_reaction"],
         ),
@@ -259,7 +259,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "limit_write": Rule(
             *(_CHANGED, _WARNING, "Limit of a drive written"),
-            "A limit of a drive, such as S-0-0091 or S-0-0092, has been changed.",
+            "A usual master changed a limit of a drive, such as S-0-0091. By a new master, it is a write.",
             "Compare it with the machine's data sheet.",
             filter=_FILTERS["write"],
             join_s=0,
@@ -278,7 +278,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "write": Rule(
             *(_CHANGED, _WARNING, "Write"),
-            "By a master that did not ask at the beginning; a note: a usual master writes what it rarely writes.",
+            "A master that did not ask at the beginning wrote. A note: a usual master wrote what it rarely writes.",
             "Ask who wrote it, and why.",
             filter=_FILTERS["write"],
             join_s=600,
@@ -359,7 +359,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "damaged": Rule(
             *(_LIMITS, _NOTE, "Damaged telegram"),
-            "A wrong checksum, or no whole telegram. Five in a burst, or 0.1 % of all: look at it; 1 %: an error.",
+            "A wrong checksum, or no whole telegram. Look at it: five in a burst, or 20 and 0.1 % of all. An error: 1 %.",
             _LINE,
             filter=_FILTERS["damaged"],
         ),

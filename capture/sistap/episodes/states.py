@@ -7,19 +7,15 @@ import math
 import re
 from collections.abc import Iterable, Iterator
 
+from sistap.episodes.boots import SWITCH
 from sistap.episodes.episode import ARROW, Hit
-from sistap.episodes.faults import slave
+from sistap.episodes.faults import hit_of, slave
 from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.packets.dissection import Packet, Telegram
 from sistap.records.record import CLOCK_MOVED, Event
 from sistap.wireshark.rows import EVENT
 
-_SWITCH = {0x1D, 0x8D, 0x9D}  # the services that switch phases
 _MOVED = re.compile(CLOCK_MOVED.replace("{:+.3f}", r"([-+][\d.]+)") + r"|system time jumped by ([-+][\d.]+) s")
-
-
-def _hit(kind: str, packet: Packet, station: int | None, detail: str) -> Hit:
-    return Hit(kind, packet.number, packet.epoch_s, packet.ended_s, station, detail=detail, port=packet.interface)
 
 
 class Phases:
@@ -44,13 +40,13 @@ class Phases:
         if station is None:
             return
         before = self._phases.get(station, "")
-        if telegram.service in _SWITCH:
+        if telegram.service in SWITCH:
             self._switched_s[station] = packet.epoch_s
         elif packet.epoch_s - self._switched_s.get(station, -math.inf) < self._thresholds.switching_s:
             return
         self._phases[station] = phase
-        if before != phase and (before or telegram.service in _SWITCH):
-            yield _hit("phase", packet, station, f"{before or 'unknown'}{ARROW}{phase}")
+        if before != phase and (before or telegram.service in SWITCH):
+            yield hit_of("phase", packet, station, f"{before or 'unknown'}{ARROW}{phase}")
 
 
 class Rate:
@@ -67,7 +63,7 @@ class Rate:
         before, self._baud = self._baud, packet.baud or self._baud
         if before in (0, self._baud):
             return ()
-        return (_hit("rate", packet, None, f"{before}{ARROW}{self._baud} Bd"),)
+        return (hit_of("rate", packet, None, f"{before}{ARROW}{self._baud} Bd"),)
 
 
 class Limits:
@@ -95,7 +91,7 @@ class Limits:
 def _changed(packet: Packet, station: int, name: str, before_s: float | None, limit_s: float) -> Iterator[Hit]:
     if before_s is not None:
         change = f"{name} {before_s * 1e3:g}{ARROW}{limit_s * 1e3:g} ms"
-        yield _hit("limits", packet, station, change)._replace(topic=change)
+        yield hit_of("limits", packet, station, change)._replace(topic=change)
 
 
 class Tap:
@@ -124,16 +120,16 @@ class Tap:
 
     def _event(self, packet: Packet, end_s: float | None) -> Iterator[Hit]:
         if packet.event == Event.ADAPTER_LOST:
-            yield _hit("adapter", packet, None, packet.text)
+            yield hit_of("adapter", packet, None, packet.text)
         elif packet.event == Event.CAPTURE_STARTED and end_s is not None and not packet.is_again:
-            hit = _hit("gap", packet, None, f"{packet.epoch_s - end_s:.0f} s between two captures")
+            hit = hit_of("gap", packet, None, f"{packet.epoch_s - end_s:.0f} s between two captures")
             yield hit._replace(from_s=min(end_s, packet.epoch_s))
         elif moved := _MOVED.search(packet.text):
             step = moved[1] or moved[2]
-            hit = _hit("clock", packet, None, f"{step} s; the times of the capture go on without the jump")
+            hit = hit_of("clock", packet, None, f"{step} s; the times of the capture go on without the jump")
             yield hit._replace(worst=float(step), severity=Severity.NOTE)
 
     def _jump(self, packet: Packet, jump_s: float) -> Hit:
-        return _hit("clock", packet, None, f"{jump_s:+.0f} s")._replace(
+        return hit_of("clock", packet, None, f"{jump_s:+.0f} s")._replace(
             worst=jump_s, to_s=packet.epoch_s + max(-jump_s, 0.0)
         )

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
@@ -31,7 +31,6 @@ class _Setting:
     whole: str | None
     is_read_as_written: bool = False
     turns: int = 0  # how often another master has written another value
-    other: str = ""  # who wrote what before
 
 
 class Writes:
@@ -50,7 +49,7 @@ class Writes:
         self._rare: defaultdict[Parameter, list[Hit]] = defaultdict(list)  # the first writes of usual masters
         self._begun: list[Hit] = []  # writes that changed what was never written
         self._row: list[Hit] = []  # writes of one master that follow one another
-        self.recipes: list[tuple[float, float]] = []  # from when to when
+        self._recipes: deque[tuple[float, float]] = deque(maxlen=MOST)  # from when to when
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return writes that are unusual at once."""
@@ -107,7 +106,7 @@ class Writes:
             return
         stations = numbers({hit.station for hit in row if hit.station is not None})
         detail = f"master {row[0].topic} wrote {len(row)} parameters of {stations}"
-        self.recipes.append((row[0].from_s, row[-1].from_s))
+        self._recipes.append((row[0].from_s, row[-1].from_s))
         yield Hit("recipe", row[0].packet, row[0].from_s, row[-1].to_s, None, "", detail, port=row[0].port)
 
     def _is_rare(self, parameter: Parameter) -> bool:
@@ -126,9 +125,9 @@ class Writes:
             return
         if access.master != setting.master and access.whole != setting.whole:
             setting.turns += 1
-            setting.other = f"master {setting.master} {setting.value}"
+            other = f"master {setting.master} {setting.value}"
             if setting.turns >= _TO_AND_FRO:
-                detail = f"{setting.other}, master {access.by} {access.value}"
+                detail = f"{other}, master {access.by} {access.value}"
                 yield self._place("conflict", packet, access, detail)
         setting.master, setting.value, setting.whole = access.master, access.value, access.whole
         setting.is_read_as_written = False
@@ -193,5 +192,5 @@ class Writes:
             if len(hits) > self._thresholds.rare_writes:
                 continue
             for hit in hits:
-                if hit.kind and not any(from_s <= hit.from_s <= to_s for from_s, to_s in self.recipes):
+                if hit.kind and not any(from_s <= hit.from_s <= to_s for from_s, to_s in self._recipes):
                     yield hit._replace(severity=_RARE.get(hit.kind))

@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from sistap.episodes.standard import FORMS
+from sistap.episodes.machine import WRITTEN
 from sistap.explain.relay import Judged
 from sistap.files import pcapng
 from sistap.sis.faults import WRITE
@@ -18,7 +18,7 @@ from sistap.wireshark.tshark import Tshark
 
 FAULTS = "faults"  # by the episodes
 NOTHING = "nothing"  # the full ring is enough
-_CYCLIC = ", ".join(f'"{ident}"' for ident, form in FORMS.items() if form == "control_word")
+_CYCLIC = ", ".join(f'"{ident}"' for ident in sorted(WRITTEN))
 # Ready-made ones. A master control word is written in every cycle: that is no news.
 FILTERS = {"writes": f"({WRITE.filter}) && !(sis.parameter in {{{_CYCLIC}}})"}
 _MARK = ("frame.number", "data.data")

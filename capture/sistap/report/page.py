@@ -84,7 +84,7 @@ footer { margin-top: 3rem; font-size: .85rem; border-top: 1px solid var(--line);
 
 # What a reader may want to see: name, words, severities.
 _CHOICES = (
-    ("all", "All", {"error", "warning", "note", "info"}),
+    ("all", "All", {"error", "warning", "note"}),
     ("only-look", "Errors, and what is to be looked at", {"error", "warning"}),
     ("only-error", "Errors", {"error"}),
 )

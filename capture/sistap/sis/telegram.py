@@ -46,6 +46,7 @@ STATIC_LENGTH = 8  # the header without subaddresses and telegram number
 MAX_LENGTH = STATIC_LENGTH + 255
 
 BROADCAST = 255  # the receiver address of all stations, in both editions
+FIRST_GROUP = 200  # this receiver address and those above are of several stations: nobody answers (chapter 2.2)
 LEVEL_BROADCAST = 254  # all on this line; in ECODRIVE03 a group
 
 CONTROL_SUBADDRESSES = 0x07

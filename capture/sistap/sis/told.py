@@ -19,6 +19,7 @@ from sistap.sis.telegram import (
     CONTROL_NUMBER,
     CONTROL_REACTION,
     CONTROL_SUBADDRESSES,
+    FIRST_GROUP,
     LEVEL_BROADCAST,
     STATIC_LENGTH,
     general,
@@ -36,7 +37,6 @@ _IDENTITIES = {0x03: "type key", 0x02: "firmware"}  # by subservice of 0x00
 _VALUE = b"\x3c"  # control byte: operating data, the last piece
 _LAST = 0x04  # bit of the parameter control: no more pieces follow
 _RECENT = 100  # telegrams: what has not gone on for so long is given up
-_FIRST_GROUP = 200  # receiver addresses from here on are groups: they do not answer
 _GOOD = 0x00
 _LONGEST = 1000  # characters of a value: a longer one is left out, because half of it would be wrong
 _ENOUGH = 2 * _LONGEST  # bytes of pieces that are kept: more is too long anyway
@@ -80,7 +80,7 @@ class _Exchange:
     @property
     def is_waiting(self) -> bool:
         """Tell whether a reaction is to come."""
-        return not self.over_at and self.path[-1] < _FIRST_GROUP and self.command[5] != _TOKEN
+        return not self.over_at and self.path[-1] < FIRST_GROUP and self.command[5] != _TOKEN
 
     @property
     def path(self) -> bytes:

@@ -106,7 +106,7 @@ dissect_phase_reaction(sis_body_t *body)
         return;
     if (body->status == 0x02)
         sis_take_error(body, sis_errors_phase, NULL);
-    if (body->record == NULL || body->record->exchange == NULL)
+    if (!sis_has_exchange(body))
         return;
     if (!body->pinfo->fd->visited)
         follow_switch(body, phase);

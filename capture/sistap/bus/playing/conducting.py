@@ -9,9 +9,7 @@ from typing import NamedTuple, Protocol
 
 from sistap.bus.playing.characters import Played
 from sistap.line.settings import LineSettings
-from sistap.sis.telegram import is_whole
-
-_GROUPS = 200  # nobody answers at this receiver address or above (IF02 chapter 2.2)
+from sistap.sis.telegram import FIRST_GROUP, is_whole
 
 
 class Rate(NamedTuple):
@@ -54,7 +52,7 @@ Script = Generator[Action, bytes | None, None]
 def is_answered(command: bytes) -> bool:
     """Tell whether a whole command is for one station: its last address decides."""
     subaddresses = command[4] & 0x07
-    return command[7 + subaddresses] < _GROUPS
+    return command[7 + subaddresses] < FIRST_GROUP
 
 
 def repeating(script: Script, repeats: int, twm_ns: int) -> Script:
