@@ -11,7 +11,7 @@ from sistap.accesses.access import Access, Parameter
 from sistap.episodes.engine import Engine
 from sistap.episodes.episode import Episode
 from sistap.episodes.lines import lines, verdict
-from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
+from sistap.episodes.rules import Severity
 from sistap.packets.dissection import Judged, Packet, Telegram
 from sistap.records.record import Event
 from sistap.wireshark.rows import EVENT, FRAME, OTHER
@@ -20,7 +20,7 @@ PLC, PANEL, LAPTOP = 1, 2, 127
 BEGIN_S = 1_795_500_000.0  # 2026-11-24 05:20:00 UTC
 DEVICE = 4
 RUNS, STANDS, FAULT, WARNING = 0xA0101, 0xA0012, 0xF2028, 0xE2051
-DIAGNOSIS, SPEED, COMMAND = "S-0-0390", "S-0-0040", "S-0-0036"
+DIAGNOSIS, SPEED = "S-0-0390", "S-0-0040"
 
 
 def telegram(talker: int | None, listener: int | None, *, is_reaction: bool = False, **more: Any) -> Telegram:
@@ -95,7 +95,6 @@ class Machine:
     def __init__(
         self,
         *drives: int,
-        thresholds: Thresholds = THRESHOLDS,
         before: Engine | None = None,
         is_described: bool = True,
         **packets: Any,
@@ -103,7 +102,7 @@ class Machine:
         """Begin with drives that run; `packets` says what all packets have. If they are not described, nobody reads
         attributes.
         """
-        self.engine = Engine(before, thresholds)
+        self.engine = Engine(before)
         self.drives = drives or (3, 4, 5)
         self.now_s = self.begin_s = BEGIN_S
         self.says = dict.fromkeys(self.drives, RUNS)

@@ -118,8 +118,9 @@ packets = st.tuples(records(), dissectors, st.integers(0, 1))
 @st.composite
 def exchanges(draw: st.DrawFn) -> list[Made]:
     """A command that is answered, as most are: of one service, in one way of reading, perhaps in one packet."""
-    service, master, station = draw(services), draw(masters), draw(stations)
-    about = bytes([draw(controls), 3])
+    service = draw(st.one_of(services, st.sampled_from([0x10, 0x1F])))  # most ask for a value, or write one
+    master, station = draw(masters), draw(stations)
+    about = bytes([draw(st.one_of(st.just(0x3C), controls)), 3])
     data = [
         build(service, master, station, about + b"\0" + draw(idents)),
         build(service, master, station, b"\0" + about + draw(elements), reaction=True),

@@ -120,9 +120,9 @@ def writes(ident: str, *by: tuple[int, float], every_s: float = 60.0) -> Play:
     return then(run(150), *(then(do("write", 5, ident, value, master=who), run(every_s)) for who, value in by))
 
 
-def late(to_s: float) -> Play:
-    """Let a station answer slower and slower, from 10 ms on, for an hour and a half."""
-    times_s = [0.010 + (to_s - 0.010) * minute / 89 for minute in range(90)]
+def late(to_s: float, from_s: float = 0.010) -> Play:
+    """Let a station answer slower and slower for an hour and a half."""
+    times_s = [from_s + (to_s - from_s) * minute / 89 for minute in range(90)]
     return then(*(then(reaction(20, reaction=judged(time_s, 0.05, 0)), pause(59.4)) for time_s in times_s))
 
 
@@ -192,9 +192,11 @@ KNOWN = access(5, LIMIT, 3000.0)
 BIT = access(5, "S-0-0403", "0b0000000000000001"), access(5, "S-0-0403", "0b0000000000000000")
 IN_LIMITS: dict[str, Any] = {"minimum": "-3000 rpm", "maximum": "3000 rpm"}
 RISES = [35 + 22 * number / 120 + one for number, one in enumerate(about(0, 120, by=0.3))]
+SLIGHT = [50 + 8 * number / 120 + one for number, one in enumerate(about(0, 120, by=0.3))]  # by 15 %
 LEVELS_OUT = [57 - 22 * 0.9**number + one for number, one in enumerate(about(0, 120, by=0.3))]
 RECIPE = ("P-0-0123", "P-0-0145", "P-0-0083", "S-0-0258")
-PART = [*about(50, 100), *about(70, 30, seed=2), *about(50, 100, seed=3)]
+PARTS = about(50, 100), about(70, 30, seed=2), about(50, 100, seed=3)
+PART = [one for part in PARTS for one in part]
 SMALL = [*about(50, 100, by=0.05), *about(52, 30, seed=2, by=0.05), *about(50, 100, seed=3, by=0.05)]
 PEAK = [*about(50, 60), 90.0, *about(50, 60, seed=2)]
 
@@ -365,9 +367,13 @@ CASES = (
     Case("stuck", LOOK, do("boot", stuck=4), do("boot")),
     Case("never", NOTE, refused(is_known=False), refused(is_known=True)),
     Case("slower", LOOK, late(0.030), late(0.014)),
+    Case("slower", LOOK, late(0.0075, 0.002), late(0.006, 0.002)),  # less than 5 ms
+    Case("slower", LOOK, late(0.075, 0.040), late(0.056, 0.040)),  # less than by half
     Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, LEVELS_OUT, every_s=30, unit="%")),
     Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, RISES, every_s=14, unit="%")),
+    Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, SLIGHT, every_s=30, unit="%")),
     Case("step", NOTE, told(TORQUE, PART, unit="%"), told(TORQUE, SMALL, unit="%")),  # 40 %; less than 5 %
+    Case("step", NOTE, *(then(*(then(told(TORQUE, one, unit="%"), run(gap)) for one in PARTS)) for gap in (50, 90))),
     Case("step", NOTE, staircase(6), staircase(7)),  # what has many levels, changes
     Case("blip", NOTE, told(TORQUE, PEAK, 3, 4, 5, unit="%"), told(TORQUE, PEAK, 3, 4, unit="%")),
     Case(

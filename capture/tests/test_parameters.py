@@ -323,7 +323,10 @@ SHOWN = {
 }
 
 
-@pytest.mark.attack("a drive whose names have backslashes, quotes, control characters", "backslashes and quotes as they are, control characters as visible ones")
+@pytest.mark.attack(
+    "a drive whose names have backslashes, quotes, control characters",
+    "backslashes and quotes as they are, control characters as visible ones",
+)
 @pytest.mark.usefixtures("dissector")
 def test_every_name_that_a_drive_can_have(tmp_path: Path) -> None:
     """Name and unit of P-0-0000 and so on, then its value."""

@@ -67,7 +67,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "bus_silent": Rule(
             *(_BUS, _ERROR, "Bus silent"),
-            "No character for 3 s, and three times as long as usual; no boot follows. A note: too little was heard to know.",
+            "No character for 3 s, and three times as long as usual; no boot follows. A note: heard too briefly.",
             "Look for a master that stopped, or a loose cable.",
             join_s=0,
         ),
@@ -359,7 +359,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "damaged": Rule(
             *(_LIMITS, _NOTE, "Damaged telegram"),
-            "A wrong checksum, or no whole telegram. Look at it: five in a burst, or 20 and 0.1 % of all. An error: 1 %.",
+            "A wrong checksum, or no whole telegram. Five in a burst, or 20 and 0.1 %: look at it; 1 %: an error.",
             _LINE,
             filter=_FILTERS["damaged"],
         ),
