@@ -484,7 +484,10 @@ def test_a_lost_port_saves_what_came(run: Run, tmp_path: Path, capfd: pytest.Cap
         (Type.EVENT, Event.ADAPTER_LOST),
     ]
     assert isinstance(blocks(path)[-1], InterfaceStatistics)
-    assert "sistap: /dev/ttyFAKE is gone: plug it in again\n" in capfd.readouterr().err
+    err = capfd.readouterr().err
+    assert "sistap: /dev/ttyFAKE is gone: plug it in again\n" in err
+    counted = f"1 telegrams, 0 of them damaged, {len(ALL[0]) + 5} characters"  # the text of an event has none
+    assert f"sistap: 2 records ({counted}, " in err
 
 
 def test_without_w_each_telegram_and_what_it_is(

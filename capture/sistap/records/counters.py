@@ -65,7 +65,7 @@ class Counters:
 
     def add_read(self, read: Read | Record) -> None:
         """Count the characters of a read, or of a record."""
-        self.characters += len(read.data)
+        self.characters += len(read.flags)  # each has one; the text of an event has none
         flags = read.flags
         if flags.count(0) != len(flags):
             self.faulty_characters += faulty(read)
