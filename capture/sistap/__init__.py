@@ -15,6 +15,7 @@ It has a room for each job. A room may use those named beside it, and what these
     captures                files, common              captures that are there: read, several as one, in memory
     wire                    line                       the line over a socket: a virtual bus, a tap on another computer
     analyser                line, common               the line by a logic analyser
+    windows                 line                       the line by a COM port of Windows
     ports                   analyser                   `sistap ports`
     wireshark               common                     tshark: run, its rows, its folders
     accesses                wireshark                  what was read and written of parameters, and the list of them
@@ -39,7 +40,7 @@ It has a room for each job. A room may use those named beside it, and what these
     library                 everything                 sistap for other programs: `import sistap`
     cli, __main__           everything                 the command `sistap`
 
-The first six are the tap. It uses nothing else of sistap: readers of other ports, and the text of a live capture, are
+The first six are the tap. It uses nothing else of sistap: other readers, and the text of a live capture, are
 imported where they are asked for. The rooms with "all above" are products: no product uses another. A character flows
 from a reader through framer and assembler to a writer, and never back. On that way, nothing behind the reader knows
 what a serial port is.

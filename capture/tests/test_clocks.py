@@ -51,9 +51,10 @@ def test_the_wall_clock_of_windows_is_the_precise_one() -> None:
 
 
 def test_all_of_sistap_has_one_steady_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    from sistap import windows
     from sistap.bus.wires import wire
     from sistap.capture import session
-    from sistap.line.reader import latency, pyserial, several, windows
+    from sistap.line.reader import latency, pyserial, several
 
     modules: list[ModuleType] = [wire, session, latency, several, pyserial, windows]
     if sys.platform != "win32":

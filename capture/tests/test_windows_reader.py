@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from sistap import windows
 from sistap.line import measurement
 from sistap.line.ports import Adapter
-from sistap.line.reader import PortError, PortLost, latency, windows
-from sistap.line.reader.windows import CommPort, flags
+from sistap.line.reader import PortError, PortLost, latency
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.windows import CommPort, flags
 
 pytestmark = pytest.mark.tap
 

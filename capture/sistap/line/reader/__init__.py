@@ -19,6 +19,7 @@ __all__ = ["Distant", "Measuring", "OwnTime", "PortError", "PortLost", "Reader",
 
 # Rooms that bring readers of other ports, each with an `open_reader`.
 ELSEWHERE = {"bus://": "sistap.wire", "sigrok:": "sistap.analyser"}
+WINDOWS = "sistap.windows"
 
 
 def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
@@ -38,9 +39,8 @@ def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
 
         return UrlReader(port, settings, line)
     if sys.platform == "win32":
-        from sistap.line.reader.windows import WindowsReader
-
-        return WindowsReader(port, settings, line)
+        of_windows: Reader = importlib.import_module(WINDOWS).WindowsReader(port, settings, line)
+        return of_windows
     from sistap.line.reader.device import PosixReader
 
     return PosixReader(port, settings, line)

@@ -22,7 +22,7 @@ from sistap.line.reader.tuning import Tuning
 from sistap.line.settings import Flag, LineSettings, Read
 
 if sys.platform == "win32":
-    raise ImportError("Windows has no terminals: sistap.line.reader.windows reads its ports")
+    raise ImportError("Windows has no terminals: sistap.windows reads its ports")
 
 # Linux, <asm-generic/ioctls.h>: struct serial_icounter_struct; of it the counters frame, overrun, parity, brk and
 # buf_overrun.

@@ -22,7 +22,7 @@ from sistap.line.reader.trouble import Otherwise, device_trouble
 from sistap.line.settings import LineSettings
 
 if sys.platform == "win32":
-    raise ImportError("Windows has no terminals: sistap.line.reader.windows reads its ports")
+    raise ImportError("Windows has no terminals: sistap.windows reads its ports")
 
 if TYPE_CHECKING:  # imported late: the rest works without pyserial
     import serial
