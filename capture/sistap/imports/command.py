@@ -124,7 +124,7 @@ def _one_line(text: str) -> str:
 
 def _told(args: argparse.Namespace) -> Told:
     """Check what the options say. May raise UsageError."""
-    told = Told(args.baud, args.format, args.samplerate, args.device)
+    told = Told(args.baud, args.format, args.samplerate, args.device, args.framing)
     try:
         told.settings  # noqa: B018 - only whether it can be made
     except ValueError as error:
@@ -148,7 +148,9 @@ def _output(args: argparse.Namespace, stop: Stop) -> Output:
 def _take_messages(args: argparse.Namespace, told: Told, stop: Stop, console: Console) -> int:
     """Make packets of a table of messages."""
     if told != Told():
-        raise UsageError("a table of messages has no line: leave out --baud, --format, --device and --samplerate")
+        raise UsageError(
+            "a table of messages has no line: leave out --baud, --format, --framing, --device and --samplerate"
+        )
     with closing(_output(args, stop)) as output:
         found = messages.read(args.file)
         messages.write(output, args.dissector, args.file.name, found)
