@@ -12,6 +12,9 @@ LINE = re.compile(
 )
 
 
+_HEAD = 4096  # characters
+
+
 def is_usbmon(text: str) -> bool:
-    """Tell whether some lines are of usbmon; others may stand above them."""
-    return re.search(rf"(?m)^\s*{LINE.pattern}", text) is not None
+    """Tell whether one of the first lines is of usbmon; others may stand above it."""
+    return re.search(rf"(?m)^\s*{LINE.pattern}", text[:_HEAD]) is not None

@@ -75,11 +75,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("file", metavar="FILE", type=Path, help="the recording of another tool")
     add("-w", dest="output", metavar="OUT", required=True, help="write a pcapng file; - is standard output")
     add("--force", action="store_true", help=FORCE)
-    add("--baud", type=_whole, metavar="RATE", help="rate in Bd, if FILE does not contain it")
+    add("--baud", type=_whole, metavar="RATE", help="rate in Bd; goes before what FILE says")
     add(
         "--format",
         metavar="FORMAT",
-        help="data bits, parity N, E, O, M or S, stop bits, if not in FILE (default 8E1)",
+        help="data bits, parity N, E, O, M or S, stop bits; goes before what FILE says (default 8E1)",
     )
     add("--framing", type=argument(Cut.parse), default=SIS, metavar=WORDS, help=HELP)
     add(
