@@ -31,7 +31,7 @@ CHAPTERS = {
     " capture/docs/remote capture/docs/analyser capture/docs/framings capture/docs/times capture/docs/line-errors"
     " capture/docs/files capture/docs/windows capture/docs/bus",
     "Analyse": "capture/docs/report capture/docs/kinds capture/docs/analyse capture/docs/logs capture/docs/import"
-    " capture/sistap/tables/README",
+    " capture/docs/usb capture/sistap/tables/README",
     "Wireshark": "plugin/README plugin/docs/filters plugin/docs/statistics plugin/docs/verdicts plugin/docs/telegrams"
     " plugin/docs/exchanges plugin/docs/synax200 plugin/docs/synax200-objects plugin/docs/record"
     " lua-fallback/README lua-fallback/page/README",

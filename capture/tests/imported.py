@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from usb_captures import USBMON, USBPCAP
+from usb_captures import USBMON, USBMON_SHORT, USBPCAP
 
 from sistap import cli
 from sistap.captures.reading import packets, record_of
@@ -27,7 +27,8 @@ class Imported(NamedTuple):
 
 
 # The beginnings of captures that usb_captures makes, and what tshark says of the protocols of their packets.
-USB = {struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 262144, link_type) for link_type in (USBMON, USBPCAP)}
+_LINK_TYPES = (USBMON_SHORT, USBMON, USBPCAP)
+USB = {struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 262144, link_type) for link_type in _LINK_TYPES}
 USB_PROTOCOLS = ["usb"]
 
 

@@ -63,6 +63,54 @@ def test_values_come_back() -> None:
             assert decoded(saved.attribute, saved.data) == ", ".join(saved.values)
 
 
+ASCII = TEXT.replace("\u00b2", "2").replace("\u00f6", "o").encode("ascii")
+# Unit and name of S-0-0138 as bytes, the encoding, and the unit. In CP850, FD is the square, FC the cube, F8 the
+# degree, and 84 an a with dots. In Latin-1 these are B2, B3, B0 and E4.
+ENCODED = [
+    (b"rad/s\xfd", b"Bipolar acceleration", "CP850", "rad/s\u00b2"),
+    (b"rad/s\xfc", b"Bipolar acceleration", "CP850", "rad/s\u00b3"),
+    (b"\xf8C", b"Bipolar acceleration", "CP850", "\u00b0C"),
+    (b"m\xfc/h", b"Bipolar acceleration", "CP850", "m\u00b3/h"),
+    (b"rad/s2", b"Verst\x84rkung", "CP850", "rad/s2"),
+    (b"rad/s\xb2", b"Verst\xe4rkung", "Latin-1", "rad/s\u00b2"),
+    (b"St\xfcck", b"Bipolar acceleration", "Latin-1", "St\u00fcck"),
+    (b"rad/s2", b"Bipolar acceleration", "Latin-1", "rad/s2"),
+]
+
+
+@pytest.mark.parametrize(("unit", "name", "encoding", "text"), ENCODED)
+@pytest.mark.parametrize("end", [b"\r\n", b"\n"])
+def test_the_encoding_is_what_the_bytes_say(
+    tmp_path: Path, unit: bytes, name: bytes, encoding: str, text: str, end: bytes
+) -> None:
+    lines = ASCII.split(b"\r\n")
+    at = lines.index(b"S-0-0138.0.0")
+    lines[at + 1], lines[at + 3] = name, unit
+    backup = tmp_path / "drive.par"
+    backup.write_bytes(end.join(lines))
+    (drive,) = drives(backup)
+    saved = {one.ident: one for one in drive.parameters}["S-0-0138"]
+    assert (drive.encoding, saved.unit, saved.name) == (encoding, text, name.decode(encoding))
+
+
+def test_texts_in_cp850_are_not_compared(tmp_path: Path) -> None:
+    """No document says which bytes they have on the bus."""
+    backup = tmp_path / "drive.par"
+    content = ASCII.replace(b"rad/s2", b"rad/s\xfd").replace(b"A0004 Init", b"\x84\x94004 Init")
+    backup.write_bytes(content)
+    (drive,) = drives(backup)
+    saved = {one.ident: one for one in drive.parameters}
+    assert (saved["S-0-0095"].values, saved["S-0-0095"].data) == (["\u00e4\u00f6004 Initialization"], None)
+
+
+def test_the_command_names_the_encoding(tmp_path: Path) -> None:
+    backup = tmp_path / "drive.par"
+    backup.write_bytes(ASCII.replace(b"rad/s2", b"rad/s\xfd"))
+    done = run(tmp_path, "parameters", "--from", backup)
+    assert '"rad/s\\xc2\\xb2"' in done.stdout
+    assert done.stderr == f"sistap: {backup}: its units and texts are read as CP850\n"
+
+
 def test_line_ends_of_unix(tmp_path: Path) -> None:
     unix = tmp_path / "unix.par"
     unix.write_bytes(TEXT.replace("\r\n", "\n").encode("latin-1"))

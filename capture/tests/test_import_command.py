@@ -56,8 +56,8 @@ def test_the_last_line_says_how_good_it_is(tmp_path: Path, capfd: pytest.Capture
     lines = capfd.readouterr().err.splitlines()
     assert lines[0].startswith("sistap: 1 telegrams, 0 of them damaged, 12 characters")
     assert lines[1].startswith(
-        "sistap: 9600 Bd 8E1, as the adapter was set; times of USB transfers, latency timer 16 ms, and a USB frame: "
-        "characters can have come up to 17 ms earlier, and a verdict needs"
+        "sistap: 9600 Bd 8E1, as the adapter was set; times of USB transfers (FTDI: vendor 0403), latency timer 16 ms, "
+        "and a USB frame: characters can have come up to 17 ms earlier, and a verdict needs"
     )
     host.receive(34, 36, STATUS + REACTION + REACTION)
     host.save(tmp_path / "usb.pcap")
@@ -65,12 +65,20 @@ def test_the_last_line_says_how_good_it_is(tmp_path: Path, capfd: pytest.Capture
     assert "up to 17 ms earlier (half of them 5 ms)" in capfd.readouterr().err
 
 
-def test_a_rate_that_contradicts_the_adapter(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--baud 19200", "19200 Bd 8E1, as given; the adapter was set to 9600 Bd 8E1;"),
+        ("--format 8N1", "9600 Bd 8N1, as given; the adapter was set to 9600 Bd 8E1;"),
+        ("--baud 9600 --format 8e1", "9600 Bd 8E1, as the adapter was set;"),
+    ],
+)
+def test_what_the_user_says_wins(tmp_path: Path, options: str, said: str) -> None:
     host = ftdi()
     host.receive(4, 30, STATUS + COMMAND)
-    done = run(host.save(tmp_path / "usb.pcap"), "--baud", "19200")
-    assert done.records[0].settings.baud == 9600
-    assert "9600 Bd 8E1, as the adapter was set, not 19200 Bd" in done.events[0]
+    done = run(host.save(tmp_path / "usb.pcap"), *options.split())
+    assert str(done.records[0].settings) in said
+    assert said in done.events[0]
 
 
 @pytest.mark.parametrize("content", [b"", b"\n", b"what is this\n", b"\x0a\x0d\x0d\x0a", bytes(range(256))])

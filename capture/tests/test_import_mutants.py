@@ -26,7 +26,11 @@ PULSEVIEW = [f"{1000 + 1200 * i}-{1800 + 1200 * i} UART: RX data: {i:02X}\n" for
 LOGIC_2 = ["name,type,start_time,duration,data,error\n"] + [
     f'"Async Serial","data",{i / 500:.6f},0.001094,0x{i:02X},\n' for i in range(64)
 ]
-TEXTS = {"sigrok-cli": SIGROK, "PulseView": PULSEVIEW, "Logic 2": LOGIC_2}
+# The descriptor of a CH340, then a transfer for each character.
+USBMON = ["1 1 C Ci:1:002:0 0 18 = 12010001 ff000008 861a2375 62020002 0001\n"] + [
+    f"{i:x} {2000 * i + 2} C Bi:1:002:2 0 1 = {i:02x}\n" for i in range(64)
+]
+TEXTS = {"sigrok-cli": SIGROK, "PulseView": PULSEVIEW, "Logic 2": LOGIC_2, "usbmon": USBMON}
 PIECES = (
     "",
     "\0",
@@ -97,7 +101,7 @@ def test_damaged_texts(tmp_path: Path, capfd: pytest.CaptureFixture[str], kind: 
         source.write_text("".join(lines), encoding="utf-8", errors="surrogateescape")
         done = imported(source, capfd, "--baud", "9600", "--samplerate", "1000000")
         came = Counter(value for record in done.records for value in record.data)
-        first = 1 if kind == "Logic 2" else 0
+        first = 1 if kind in ("Logic 2", "usbmon") else 0
         sound = Counter(number - first for number in range(first, len(lines)) if number not in damaged)
         # A quotation mark that nobody closes takes the following lines into its cell: they are one line then.
         swallowed = kind == "Logic 2" and any(lines[number].count('"') % 2 for number in damaged)

@@ -123,7 +123,10 @@ def test_without_a_rate_it_says_what_to_add(tmp_path: Path, capfd: pytest.Captur
     source = host.save(tmp_path / "usb.pcap")
     assert run(source).code == 2
     said = capfd.readouterr().err
-    assert said == f"sistap: {source} does not say at which rate the bus ran: add it, such as --baud 9600\n"
+    assert said == (
+        f"sistap: {source} does not say at which rate the bus ran (its port was opened before the capture began): add "
+        "it, such as --baud 9600\n"
+    )
 
 
 @pytest.mark.parametrize(
@@ -195,7 +198,7 @@ LOST, BAD, BREAK, SOMEWHERE = Flag.LOST_BEFORE, Flag.CHARACTER_ERROR, Flag.BREAK
     ],
 )
 def test_line_errors_of_ftdi(status: int, sent: bytes, flags: list[int]) -> None:
-    packets = list(ftdi_says.packets(bytes([0x01, status]) + sent))
+    packets = list(ftdi_says.Packets().packets(bytes([0x01, status]) + sent))
     assert [flag for _, each in packets for flag in each] == flags
 
 
@@ -443,7 +446,7 @@ def test_a_device_that_is_no_adapter(tmp_path: Path, capfd: pytest.CaptureFixtur
     host = Host(Usbmon())
     host.receive(4, 20, b"USBC\0\0")
     assert run(host.save(tmp_path / "usb.pcap")).code == 2
-    assert "has no characters of an FTDI or CDC adapter" in capfd.readouterr().err
+    assert "has no characters of a serial adapter that is known, and no good telegrams" in capfd.readouterr().err
 
 
 @pytest.mark.thorough

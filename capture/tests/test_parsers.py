@@ -23,7 +23,8 @@ from sistap.captures import reading
 from sistap.extcap.toolbar import _received
 from sistap.files import pcapng
 from sistap.files.pcapng import Interface
-from sistap.imports import cdc, ftdi
+from sistap.imports import ch340, ftdi, usbmon
+from sistap.imports.usb_kinds import KINDS
 from sistap.imports.usb_transfers import Setup
 from sistap.line.settings import Happening, LineSettings, Notice, Read
 from sistap.parameters import backup, values
@@ -33,6 +34,7 @@ from sistap.records.record import Record, Type
 from sistap.sis import telegram
 from sistap.sis.initialization import Follow
 from sistap.sis.told import Told
+from sistap.terminal.exits import UsageError
 from sistap.wire import protocol
 from sistap.wire.protocol import Decoder, Hello, Kind
 from sistap.wireshark import rows
@@ -185,9 +187,28 @@ def test_the_toolbar(data: bytes) -> None:
 @given(st.integers(0, 255), st.integers(0, 255), st.integers(0, 0xFFFF), st.integers(0, 0xFFFF), st.binary(max_size=20))
 def test_requests_to_usb_adapters(kind: int, request: int, value: int, place: int, data: bytes) -> None:
     setup = Setup(kind, request, value, place)
-    for adapter in (cdc, ftdi):
+    for adapter in KINDS:
         settings = adapter.settings_after(setup, data, LineSettings())
         assert settings.baud >= 0 and 5 <= settings.data_bits <= 8
-    assert ftdi.baud_rate(value, place) > 0
-    assert sum(len(characters) for characters, _ in ftdi.packets(data)) <= len(data)
-    cdc.errors(data)
+        transfers = adapter.transfers()
+        transfers.asked(setup)
+        packets = list(transfers.packets(data))
+        assert all(len(characters) == len(flags) for characters, flags in packets)
+        assert sum(len(characters) for characters, _ in packets) <= len(data)
+        adapter.notified(data)
+    assert ftdi.baud_rate(value, place) > 0 and ch340.baud_rate(place) > 0
+    assert not data or ftdi.looks_like(data) in (True, False)
+
+
+USBMON = (
+    b"a 1 S Ci:1:002:0 s 80 06 0100 0000 0012 18 <\n"
+    b"a 2 C Ci:1:002:0 0 18 = 12010001 ff000008 861a2375 62020002 0001\n"
+)
+
+
+@given(bytes_like(USBMON))
+def test_texts_of_usbmon(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
+    path = Path(tmp_path_factory.getbasetemp()) / "usbmon.txt"
+    path.write_bytes(data)
+    with suppress(UsageError):
+        assert all(transfer.time_ns >= 0 for transfer in usbmon.Transfers(path))

@@ -15,7 +15,9 @@ from sistap.annotate.raw import RawCutter, is_raw
 from sistap.annotate.session import is_session
 from sistap.annotate.textlog import UTF_16, Cutter, LineCutter, LogLine
 from sistap.common.packed import unpack
+from sistap.common.usbmon import is_usbmon
 from sistap.records.cut import ASCII, Cut
+from sistap.terminal.advice import shell_word
 
 _PIECE = 1 << 18
 _AHEAD = 16  # pieces of a pipe that may wait: its writer can be faster than they are explained
@@ -68,11 +70,19 @@ def look(log: str, framing: Cut | None) -> Source:
 
 
 def _check_text(log: str, beginning: bytes) -> None:
-    """Raise SourceError for a file that no editor would show."""
+    """Raise SourceError for a file that no editor would show, or whose numbers are not all bytes."""
+    _check_usb(log, beginning.decode(errors="replace"))
     if beginning.count(0) > len(beginning) / _NULS and not beginning.startswith(UTF_16):
         raise SourceError(
             f"{log} is no text, and its bytes are no telegrams: name a log that an editor can show, or a raw log"
         )
+
+
+def _check_usb(log: str, text: str) -> None:
+    """Raise SourceError for the text of usbmon: tags and lengths are no bytes of the bus."""
+    if is_usbmon(text):
+        name = "FILE" if log == "-" else shell_word(log)
+        raise SourceError(f"this is a text of usbmon, not a log: read it with `sistap import {name} -w x.pcapng`")
 
 
 def _from_file(log: str, lines: Cutter, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:
@@ -105,6 +115,7 @@ def from_pipe(log: str) -> Iterator[list[LogLine]]:
             break
         waits = _IDLE_S
         if batch := list(lines.feed(piece)):
+            _check_usb(log, "\n".join(line.text for line in batch))
             yield batch
     if rest := list(lines.end()):
         yield rest

@@ -2,6 +2,7 @@
 """`sistap import`: captures of other tools, converted into captures of sistap.
 
 The formats and how each is recognised (formats), the characters in them (usb, rtac, saleae, sigrok), and their common
-interface (source). They become a capture (convert). Whole messages become packets (messages). It may use all rooms but
-the other products.
+interface (source). USB transfers come from tshark (usb_transfers) or a text (usbmon); a table has the kinds of adapters
+(usb_kinds). All become a capture (convert). Whole messages become packets (messages). It may use all rooms but the
+other products.
 """

@@ -75,11 +75,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("file", metavar="FILE", type=Path, help="the recording of another tool")
     add("-w", dest="output", metavar="OUT", required=True, help="write a pcapng file; - is standard output")
     add("--force", action="store_true", help=FORCE)
-    add("--baud", type=_whole, metavar="RATE", help="rate in Bd, if FILE does not contain it")
+    add("--baud", type=_whole, metavar="RATE", help="rate in Bd; goes before what FILE says")
     add(
         "--format",
         metavar="FORMAT",
-        help="data bits, parity N, E, O, M or S, stop bits, if not in FILE (default 8E1)",
+        help="data bits, parity N, E, O, M or S, stop bits; goes before what FILE says (default 8E1)",
     )
     add("--framing", type=argument(Cut.parse), default=SIS, metavar=WORDS, help=HELP)
     add(
@@ -124,7 +124,7 @@ def _one_line(text: str) -> str:
 
 def _told(args: argparse.Namespace) -> Told:
     """Check what the options say. May raise UsageError."""
-    told = Told(args.baud, args.format, args.samplerate, args.device)
+    told = Told(args.baud, args.format, args.samplerate, args.device, args.framing)
     try:
         told.settings  # noqa: B018 - only whether it can be made
     except ValueError as error:
@@ -148,7 +148,9 @@ def _output(args: argparse.Namespace, stop: Stop) -> Output:
 def _take_messages(args: argparse.Namespace, told: Told, stop: Stop, console: Console) -> int:
     """Make packets of a table of messages."""
     if told != Told():
-        raise UsageError("a table of messages has no line: leave out --baud, --format, --device and --samplerate")
+        raise UsageError(
+            "a table of messages has no line: leave out --baud, --format, --framing, --device and --samplerate"
+        )
     with closing(_output(args, stop)) as output:
         found = messages.read(args.file)
         messages.write(output, args.dissector, args.file.name, found)

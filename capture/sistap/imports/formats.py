@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.common.packed import unpack
-from sistap.imports import saleae, session, sigrok
+from sistap.imports import saleae, session, sigrok, usb_transfers, usbmon
 from sistap.imports.dissected import protocols
 from sistap.imports.rtac import RtacCapture
 from sistap.imports.source import Source, Told
@@ -37,13 +37,22 @@ class Capture(NamedTuple):
 
 
 CAPTURES = (
-    Capture("USB captures (usbmon, USBPcap) of an FTDI or CDC adapter", "usb", UsbCapture),
+    Capture(
+        "USB captures (usbmon, USBPcap) of an adapter: FTDI, CH340, CP210x, PL2303, CDC",
+        "usb",
+        lambda tshark, path, told: UsbCapture(usb_transfers.Transfers(tshark, path), path, told),
+    ),
     Capture("RTAC serial captures", "rtacser", RtacCapture),
 )
 TEXTS = (
     Text("data tables of Saleae Logic 2", saleae.LOGIC_2.first_line, saleae.reader(saleae.LOGIC_2)),
     Text("exports of Saleae Logic 1", saleae.LOGIC_1.first_line, saleae.reader(saleae.LOGIC_1)),
     Text("exports of Saleae Logic 1, all analysers", saleae.LOGIC_1_ALL.first_line, saleae.reader(saleae.LOGIC_1_ALL)),
+    Text(
+        "texts of usbmon, of the same adapters",
+        usbmon.FIRST_LINE,
+        lambda path, told: UsbCapture(usbmon.Transfers(path), path, told),
+    ),
     Text("annotations of sigrok-cli and PulseView with sample numbers", sigrok.FIRST_LINE, sigrok.opened),
 )
 NAMES = (*(known.name for known in CAPTURES + TEXTS), session.NAME)

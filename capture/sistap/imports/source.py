@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from sistap.line.settings import LineSettings, Read
+from sistap.records.cut import SIS, Cut
 from sistap.terminal.exits import UsageError
 
 NS = 1_000_000_000
@@ -21,6 +22,7 @@ class Told(NamedTuple):
     format: str | None = None
     samplerate: int | None = None  # Hz
     device: str | None = None  # "BUS.ADDRESS"
+    cut: Cut = SIS  # what the characters are, for a file that can be read in several ways
 
     @property
     def settings(self) -> LineSettings:

@@ -5,70 +5,32 @@ from __future__ import annotations
 
 import heapq
 import itertools
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Protocol
 
 from sistap.imports import cdc, ftdi
 from sistap.imports.source import RECEIVED, SENT, Told, need_rate, numbered
+from sistap.imports.usb_kinds import CDC, FORMS, FTDI, KINDS, Kind
 from sistap.imports.usb_transfers import (
     BULK,
+    CONTROL,
     INTERRUPT,
     Arrivals,
     Departures,
     Setup,
     Transfer,
-    Transfers,
     bounded,
     latest_ns,
+    with_requests,
 )
 from sistap.line.settings import Flag, LineSettings, Read
+from sistap.records.framer import Framer
+from sistap.records.record import Record
 from sistap.terminal.exits import UsageError
-from sistap.wireshark.tshark import Tshark
 
-
-class Kind(NamedTuple):
-    """A kind of adapter, defined by its differences."""
-
-    name: str
-    settings_after: Callable[[Setup, bytes, LineSettings], LineSettings]  # line settings after a request
-    packets: Callable[[bytes], Iterator[tuple[bytes, bytes]]]  # characters and flags in a transfer
-    is_full: Callable[[bytes], bool]  # whether more may have waited than the transfer has room for
-    notified: Callable[[bytes], Flag]  # errors in an interrupt transfer
-    port_of_endpoint: Callable[[int], int]
-    port_of_request: Callable[[Setup], int]
-    latency_ms: int | None  # of its timer; None: it has none
-    no_rate: str  # why a capture may not state the rate
-
-
-def _only_port(_: object) -> int:
-    return 0
-
-
-FTDI = Kind(
-    "FTDI",
-    ftdi.settings_after,
-    ftdi.packets,
-    ftdi.is_full,
-    lambda _: Flag(0),
-    ftdi.port_of_endpoint,
-    ftdi.port_of_request,
-    ftdi.LATENCY_MS,
-    "",
-)
-CDC = Kind(
-    "CDC",
-    cdc.settings_after,
-    lambda data: iter([(data, bytes(len(data)))]),
-    lambda _: False,
-    cdc.errors,
-    _only_port,
-    _only_port,
-    None,
-    cdc.NO_RATE,
-)
-KINDS = (FTDI, CDC)
+_NOT_SAID = LineSettings(0, 0, "", 0)
+_ENOUGH = 2  # different requests that an adapter of a kind gets
 
 
 class Adapter:
@@ -77,9 +39,11 @@ class Adapter:
     def __init__(self, kind: Kind, told: Told) -> None:
         self.kind = kind
         self.settings = told.settings
-        self.was_set = False  # by the capture, not only by the user
+        self.said = _NOT_SAID  # what the capture says of them; what the user says goes before it
         self.latency_ms = kind.latency_ms
         self.latency_was_set = False
+        self._told = told
+        self._transfers = kind.transfers()
         self._arrivals = Arrivals()
         self._departures = Departures()
         self._submitted: dict[str, Transfer] = {}  # what is on its way out
@@ -88,8 +52,9 @@ class Adapter:
 
     def take(self, transfer: Transfer) -> Iterator[Read]:
         """Yield the characters that a transfer brings, or that left with it."""
-        if transfer.setup is not None:
-            self._take_request(transfer.setup, transfer.data)
+        if transfer.type == CONTROL:
+            if transfer.setup is not None and transfer.completed and not transfer.failed:
+                self._take_request(transfer.setup, transfer.data)
         elif transfer.type == INTERRUPT:
             self._next_received |= self.kind.notified(transfer.data)
         elif transfer.type == BULK and transfer.inbound:
@@ -103,9 +68,9 @@ class Adapter:
             yield from self._departures.sent(submitted, None, bytes(len(submitted.data)), self.settings)
 
     def _take_request(self, setup: Setup, data: bytes) -> None:
-        settings = self.kind.settings_after(setup, data, self.settings._replace(baud=0))
-        self.was_set |= settings.baud != 0
-        self.settings = settings._replace(baud=settings.baud or self.settings.baud)
+        self._transfers.asked(setup)
+        self.said = self.kind.settings_after(setup, data, self.said)
+        self.settings = line_settings(self._told, self.said)
         latency_ms = ftdi.latency_ms(setup)
         if self.latency_ms is not None and latency_ms is not None:
             self.latency_ms = latency_ms
@@ -116,12 +81,14 @@ class Adapter:
             self._arrivals.ask(transfer)
             return
         if transfer.data:
-            is_full = self.kind.is_full(transfer.data)
+            is_full = self._transfers.is_full(transfer.data)
             waited_ns = self._arrivals.waited_ns(transfer, self.latency_ms, is_full=is_full)
-            packets = list(self.kind.packets(transfer.data))
+            packets = list(self._transfers.packets(transfer.data))
             characters = b"".join(characters for characters, _ in packets)
             if characters:
                 flags = bytearray(b"".join(flags for _, flags in packets))
+                if transfer.failed:
+                    flags = bytearray(flag | Flag.UNLOCATED_ERROR for flag in flags)
                 flags[0] |= self._next_received
                 self._next_received = Flag(0)
                 yield Read(RECEIVED, latest_ns(transfer), characters, bytes(flags), bounded(waited_ns), self.settings)
@@ -145,36 +112,13 @@ class Adapter:
             self._next_sent |= Flag.LOST_BEFORE
 
 
+def line_settings(told: Told, said: LineSettings) -> LineSettings:
+    """Return the settings of a line: those that the user states, else what the capture says, else 8E1."""
+    format_of = told.settings if told.format or not said.data_bits else said
+    return format_of._replace(baud=told.baud or said.baud)
+
+
 # -- The capture -----------------------------------------------------------------------------------------------------
-
-
-@dataclass(slots=True)
-class _Device:
-    """What a capture shows about any device."""
-
-    is_ftdi: bool = False  # its vendor, or a request that only such an adapter gets
-    is_cdc: bool = False
-    inbound: int = 0  # transfers with data to the computer ...
-    status_first: int = 0  # ... and how many of them begin like those of an FTDI adapter
-
-    def look(self, transfer: Transfer) -> None:
-        """Take note of a transfer."""
-        setup = transfer.setup
-        self.is_ftdi |= transfer.vendor == ftdi.VENDOR or (setup is not None and ftdi.is_request(setup))
-        self.is_cdc |= transfer.classes >= cdc.CLASSES or (setup is not None and cdc.is_request(setup))
-        if transfer.type == BULK and transfer.inbound and transfer.data:
-            self.inbound += 1
-            self.status_first += ftdi.looks_like(transfer.data)
-
-    @property
-    def kind(self) -> Kind | None:
-        """Return its kind; None if the capture shows no adapter that can be read.
-
-        An adapter that was opened before the capture began shows its kind only by the status before its characters.
-        """
-        if self.is_cdc and not self.is_ftdi:
-            return CDC
-        return FTDI if self.is_ftdi or 0 < self.inbound == self.status_first else None
 
 
 class _Port:
@@ -182,13 +126,17 @@ class _Port:
 
     def __init__(self, name: str, kind: Kind, told: Told) -> None:
         self.name = name  # "1.5", "1.5B"
+        self.why = ""  # it is read as this kind
         self.adapter = Adapter(kind, told)
         self.settings: LineSettings | None = None  # of its first character
-        self.was_set = False  # whether they were set by then
+        self.said = _NOT_SAID  # by then
         self.counts = {False: 0, True: 0}  # characters received and sent
+        self.good = 0  # telegrams
         self.sources: set[int] = set()  # endpoints of these characters
         # latency timers at that time, in ms, and whether they were set
         self.timers: set[tuple[int | None, bool]] = set()
+        self._told = told
+        self._framers: dict[int, Framer] = {}
 
     def look(self, transfer: Transfer) -> None:
         """Take note of a transfer."""
@@ -202,37 +150,135 @@ class _Port:
         """Take note of the end of the capture."""
         for read in self.adapter.finish():
             self._count(read)
+        for framer in self._framers.values():
+            self._judge(framer.flush())
 
     def _count(self, read: Read) -> None:
+        assert read.settings
         if self.settings is None:
-            self.settings, self.was_set = read.settings, self.adapter.was_set
+            self.settings, self.said = read.settings, self.adapter.said
         self.counts[read.line == SENT] += len(read.data)
+        if read.line not in self._framers:
+            self._framers[read.line] = self._told.cut.framer(read.line, read.settings)
+        self._judge(self._framers[read.line].feed(read))
+
+    def _judge(self, records: Iterable[Record]) -> None:
+        self.good += sum(record.is_good_frame and not record.is_handshake for record in records)
+
+    @property
+    def settings_from(self) -> str:
+        """Return where the settings come from."""
+        assert self.settings
+        rate = f"{self.said.baud} Bd" if self.said.baud else ""
+        format_ = self.said.format if self.said.data_bits else ""
+        if rate and self.said.baud != self.settings.baud or format_ not in ("", self.settings.format):
+            return f"as given; the adapter was set to {' '.join(filter(None, (rate, format_)))}"
+        what = "" if rate and format_ else "the rate " if rate else "the format "
+        return f"{what}as the adapter was set" if rate or format_ else "as given"
 
     def __str__(self) -> str:
         settings = f"{self.settings}, " if self.settings and self.settings.baud else ""
         return f"{self.name} ({self.adapter.kind.name}, {settings}{sum(self.counts.values()):,} characters)"
 
 
+class _Device:
+    """What a capture shows about any device. Its kind may show only in the last transfer: it is read as each kind."""
+
+    def __init__(self, told: Told) -> None:
+        self._told = told
+        self._vendor: int | None = None
+        self._classes: frozenset[int] = frozenset()
+        self._requests: set[tuple[int, int]] = set()
+        self._inbound = 0  # transfers with data to the computer ...
+        self._status_first = 0  # ... and how many of them begin like those of an FTDI adapter
+        self._ports: dict[str, dict[str, _Port]] = {kind.name: {} for kind in KINDS}  # by kind and name
+
+    def look(self, transfer: Transfer) -> None:
+        """Take note of a transfer."""
+        self._vendor = transfer.vendor or self._vendor
+        self._classes |= transfer.classes
+        if transfer.setup:
+            self._requests.add((transfer.setup.type, transfer.setup.request))
+        if transfer.type == BULK and transfer.inbound and transfer.data and not transfer.is_cut and not transfer.failed:
+            self._inbound += 1
+            self._status_first += ftdi.looks_like(transfer.data)
+        named = [kind for kind in KINDS if self._vendor in kind.vendors]
+        for kind in [*named, CDC] if named else KINDS:
+            ports, name = self._ports[kind.name], _port_name(transfer, kind)
+            if name not in ports:
+                ports[name] = _Port(name, kind, self._told)
+            ports[name].look(transfer)
+
+    def ports(self) -> Iterator[_Port]:
+        """Yield its ports with characters, as the kind of adapter that it is; none if it cannot be read as any."""
+        for ports in self._ports.values():
+            for port in ports.values():
+                port.finish()
+        kind, why = self._kind()
+        for port in self._ports[kind.name].values() if why else ():
+            port.why = why
+            if port.settings:
+                yield port
+
+    def _kind(self) -> tuple[Kind, str]:
+        """Return its kind, and how that is known; empty if it is not known."""
+        kinds, why = self._known()
+        good = {kind: sum(port.good for port in self._ports[kind.name].values()) for kind in kinds}
+        best = max(kinds, key=lambda kind: (good[kind], (kind is FTDI) == self._has_status))
+        if why and best is kinds[0]:
+            return best, why
+        fewer = "".join(f", as {kind.name} {count}" for kind, count in good.items() if count < good[best])
+        telegrams = f"{good[best]} good telegrams{fewer}" if good[best] else ""
+        status = "a status in front of its characters" if best is FTDI and self._has_status else ""
+        return best, "; ".join(filter(None, (why, telegrams, status)))
+
+    def _known(self) -> tuple[Sequence[Kind], str]:
+        """Return the kinds that it can be, and what says so, except for its characters."""
+        if self._classes >= cdc.CLASSES:
+            return [CDC], "its interfaces"
+        if named := [kind for kind in KINDS if self._vendor in kind.vendors]:
+            return named, f"vendor {self._vendor:04x}"
+        possible = [kind for kind in KINDS if kind is not FTDI or self._has_status or not self._inbound]
+        most = max(len(self._requests & kind.requests) for kind in possible)
+        kinds = [kind for kind in possible if len(self._requests & kind.requests) == most]
+        if not most:
+            kinds = [kind for kind in kinds if kind in FORMS]
+        # Devices of other kinds have vendor requests, too: one alone says little.
+        return kinds, "its requests" if most >= _ENOUGH else ""
+
+    @property
+    def _has_status(self) -> bool:
+        """Tell whether a status like that of an FTDI adapter is in front of all characters."""
+        return 0 < self._inbound == self._status_first
+
+
+class Transfers(Protocol):
+    """The transfers in a file."""
+
+    warning: str  # after the last one: what could not be read
+
+    def __iter__(self) -> Iterator[Transfer]:
+        """Yield the transfers in the order of the file. May raise TsharkError."""
+
+
 class UsbCapture:
     """A Source: the characters of one adapter."""
 
-    def __init__(self, tshark: Tshark, capture: Path, told: Told) -> None:
+    def __init__(self, transfers: Transfers, capture: Path, told: Told) -> None:
         """Find the chosen adapter in the capture. May raise UsageError and TsharkError."""
-        self._transfers = Transfers(tshark, capture)
+        self._transfers = transfers
         self._told = told
         port = _chosen(_ports(self._transfers, told), capture, told.device)
         self._device, self._port, self._kind = port.name.rstrip(_LETTERS), port.name, port.adapter.kind
         assert port.settings
         self.settings = port.settings
         need_rate(self.settings, capture, self._kind.no_rate)
-        self.settings_from = "as the adapter was set" if port.was_set else "as given"
-        if port.was_set and told.baud not in (None, self.settings.baud):
-            self.settings_from += f", not {told.baud} Bd"
+        self.settings_from = port.settings_from
         name = f"{self._kind.name} adapter {port.name}"
         self.lines = numbered(
             f"{name}, received", f"{name}, sent", has_received=port.counts[False] > 0, has_sent=port.counts[True] > 0
         )
-        self.timing = f"times of USB transfers, {_bound(port)}"
+        self.timing = f"times of USB transfers ({self._kind.name}: {port.why}), {_bound(port)}"
         self.warning = ""
 
     def reads(self) -> Iterator[Read]:
@@ -245,7 +291,7 @@ class UsbCapture:
             for read in reads:
                 heapq.heappush(waiting, (read.time_ns, next(number), read))
 
-        for transfer in self._transfers:
+        for transfer in with_requests(self._transfers):
             if transfer.device == self._device and _port_name(transfer, self._kind) == self._port:
                 wait(adapter.take(transfer))
                 while waiting and waiting[0][0] <= latest_ns(transfer):
@@ -267,30 +313,19 @@ def _port_name(transfer: Transfer, kind: Kind) -> str:
 
 
 def _ports(transfers: Transfers, told: Told) -> list[_Port]:
-    """Find all ports with characters. The kind of a device may show only in its last transfer, so it is read as each
-    kind.
-    """
+    """Find all ports with characters."""
     devices: dict[str, _Device] = {}
-    ports: dict[tuple[str, Kind], _Port] = {}
-    for transfer in transfers:
-        devices.setdefault(transfer.device, _Device()).look(transfer)
-        for kind in KINDS:
-            name = _port_name(transfer, kind)
-            if (name, kind) not in ports:
-                ports[name, kind] = _Port(name, kind, told)
-            ports[name, kind].look(transfer)
-    for port in ports.values():
-        port.finish()
-    found = [port for (name, kind), port in ports.items() if devices[name.rstrip(_LETTERS)].kind is kind]
-    return [port for port in found if port.settings]
+    for transfer in with_requests(transfers):
+        devices.setdefault(transfer.device, _Device(told)).look(transfer)
+    return [port for device in devices.values() for port in device.ports()]
 
 
 def _chosen(ports: list[_Port], capture: Path, device: str | None) -> _Port:
     listed = "; ".join(str(port) for port in ports)
     if not ports:
         raise UsageError(
-            f"{capture} has no characters of an FTDI or CDC adapter; begin the capture before the adapter is plugged "
-            "in, so that it shows what it is"
+            f"{capture} has no characters of a serial adapter that is known, and no good telegrams; begin the capture "
+            "before the adapter is plugged in, so that it shows what it is"
         )
     if device is None and len(ports) > 1:
         raise UsageError(f"{capture} has several adapters: choose one with --device: {listed}")
@@ -307,6 +342,7 @@ def _bound(port: _Port) -> str:
     timers = port.timers or {(port.adapter.latency_ms, port.adapter.latency_was_set)}
     times_ms = sorted({latency_ms for latency_ms, _ in timers if latency_ms is not None})
     if not times_ms:
-        return "two USB frames; what the adapter itself adds is not known"
+        errors = f"; {port.adapter.kind.errors}" if port.adapter.kind.errors else ""
+        return f"two USB frames; what the adapter itself adds is not known{errors}"
     known = ", as by default: the capture does not show it" if not any(was_set for _, was_set in timers) else ""
     return f"latency timer {' and '.join(map(str, times_ms))} ms{known}, and a USB frame"

@@ -7,7 +7,7 @@ has the requests and bytes.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings, Read
 from sistap.wireshark.tshark import Tshark
 
 CONTROL, BULK, INTERRUPT = 2, 3, 1
-_INBOUND = 0x80  # in the address of an endpoint
+INBOUND = 0x80  # in the address of an endpoint
 
 _FIELDS = (
     "frame.time_epoch",
@@ -28,7 +28,9 @@ _FIELDS = (
     "usb.endpoint_address",
     "usb.transfer_type",
     "usb.urb_type",
+    "usb.urb_status",
     "usb.irp_info.direction",
+    "usb.usbd_status",
     "usb.urb_id",
     "usb.irp_id",
     "usb.urb_len",
@@ -43,6 +45,9 @@ _FIELDS = (
     "usb.bInterfaceClass",
 )
 _TRUE = ("1", "0x01", "True")
+# A transfer that the host cancels is no error: ENOENT, ECONNRESET, ESHUTDOWN; USBD_STATUS_CANCELED.
+_CANCELLED = (-2, -104, -108)
+_USBD_ERROR, _USBD_CANCELLED = 0x80000000, 0xC0010000
 # Characters must not be dissected as some other protocol, either.
 _OPTIONS = ("--disable-protocol", "ftdi-ft", "--disable-protocol", "usbcom", "-o", "usb.try_heuristics:FALSE")
 
@@ -68,6 +73,7 @@ class Transfer(NamedTuple):
     data: bytes
     actual: int | None  # number of bytes transferred, if known
     is_cut: bool  # the capture does not have all of the data
+    failed: bool  # other than by the host's own will
     setup: Setup | None
     vendor: int | None
     classes: frozenset[int]  # of interfaces
@@ -76,7 +82,22 @@ class Transfer(NamedTuple):
     @property
     def inbound(self) -> bool:
         """Tell whether the data go to the computer."""
-        return bool(self.endpoint & _INBOUND)
+        return bool(self.endpoint & INBOUND)
+
+
+def with_requests(transfers: Iterable[Transfer]) -> Iterator[Transfer]:
+    """Yield the transfers; a completed control transfer says, too, what was requested."""
+    requests: dict[tuple[str, str], Transfer] = {}
+    for transfer in transfers:
+        of = transfer.device, transfer.id
+        if transfer.type != CONTROL:
+            yield transfer
+        elif not transfer.completed:
+            requests[of] = transfer
+            yield transfer
+        else:
+            request = requests.pop(of, transfer)
+            yield transfer._replace(setup=request.setup, data=request.data or transfer.data)
 
 
 class Transfers:
@@ -84,17 +105,14 @@ class Transfers:
 
     def __init__(self, tshark: Tshark, capture: Path) -> None:
         self._rows = Rows(tshark, capture, _FIELDS, _OPTIONS)
-
-    @property
-    def warning(self) -> str:
-        """Return what tshark said at the end of a capture that is cut off."""
-        return self._rows.warning
+        self.warning = ""  # what tshark said at the end of a capture that is cut off
 
     def __iter__(self) -> Iterator[Transfer]:
         """Yield the transfers in the order of the capture. May raise TsharkError."""
         for row in self._rows:
             if row["usb.transfer_type"] and row["usb.device_address"]:
                 yield _transfer(row)
+        self.warning = self._rows.warning
 
 
 def _transfer(row: dict[str, str]) -> Transfer:
@@ -103,7 +121,7 @@ def _transfer(row: dict[str, str]) -> Transfer:
     completed = row["usb.irp_info.direction"] in _TRUE if by_windows else "S" not in row["usb.urb_type"]
     endpoint = _integer(row["usb.endpoint_address"])
     # Inbound data are in the completion, outbound data in the submission. usbmon keeps what fits into its buffer.
-    has_data = completed == bool(endpoint & _INBOUND)
+    has_data = completed == bool(endpoint & INBOUND)
     is_cut = row["frame.cap_len"] != row["frame.len"] or (has_data and data_length < urb_length)
     return Transfer(
         time_ns=nanoseconds(row["frame.time_epoch"]),
@@ -115,11 +133,23 @@ def _transfer(row: dict[str, str]) -> Transfer:
         data=bytes.fromhex((row["usb.capdata"] or row["usb.data_fragment"]).replace(":", "")),
         actual=_actual(row, urb_length) if completed else None,
         is_cut=is_cut,
+        failed=completed and _failed(row),
         setup=_setup(row),
         vendor=_integer(row["usb.idVendor"]) if row["usb.idVendor"] else None,
         classes=frozenset(int(number, 0) for number in row["usb.bInterfaceClass"].split(",") if number),
         by_windows=by_windows,
     )
+
+
+def _failed(row: dict[str, str]) -> bool:
+    by_windows = _integer(row["usb.usbd_status"])
+    windows_failed = by_windows >= _USBD_ERROR and by_windows != _USBD_CANCELLED
+    return windows_failed or is_failure(_integer(row["usb.urb_status"]))
+
+
+def is_failure(status: int) -> bool:
+    """Tell whether a status of Linux is an error that the host did not cause."""
+    return status < 0 and status not in _CANCELLED
 
 
 def _actual(row: dict[str, str], length: int) -> int | None:

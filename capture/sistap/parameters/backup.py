@@ -17,6 +17,7 @@ from sistap.terminal.console import visible
 
 MARK = "SERCOS-ASCII"
 NOTHING = "--"  # in place of a unit, a limit or a value
+CP850, LATIN_1 = "CP850", "Latin-1"  # encodings, also by their names in Python
 
 _LARGEST = 32 << 20  # bytes of a file; a drive has less than one MB
 _BEGIN = "|"
@@ -25,6 +26,12 @@ _PARTS = ("ident", "name", "attribute", "unit", "minimum", "maximum", "value")
 _IDENT = re.compile(r"([SP]-[0-7]-\d{4})(\.\d{1,3}\.\d{1,3})?")
 _TEXT = re.compile(r"(\d+) (\d+)(?: (.*))?", re.DOTALL)
 _MOST_STATIONS = 8  # in a route
+_UNITS = re.compile(rb"^\|\r?\n(?:.*\n){3}(.*)", re.MULTILINE)
+# What speaks for an encoding: degree, square and cube in units, umlauts anywhere. FC is a cube or an umlaut.
+_SIGNS = {
+    CP850: (re.compile(rb"[\xf8\xfd]|\xfc(?![a-z])"), re.compile(rb"[\x84\x94\x81\x8e\x99\x9a]")),
+    LATIN_1: (re.compile(rb"[\xb0\xb2\xb3]"), re.compile(rb"[\xe4\xf6\xdf\xc4\xd6\xdc]")),
+}
 
 
 class Damaged(Exception):
@@ -51,6 +58,7 @@ class Drive(NamedTuple):
     type: str  # firmware, power section and more
     address: str
     parameters: Sequence[Saved]
+    encoding: str = LATIN_1  # of the texts in the file
 
 
 def is_station(text: str) -> bool:
@@ -66,8 +74,10 @@ def drives(path: Path, unreadable: Callable[[str], None] | None = None) -> list[
 
     A value that cannot be read is damage, too. Or, if someone wants to know of such values (`unreadable`), it is None.
     """
-    text = _text_of(path)
-    reader = _Reader(path, text, unreadable)
+    content = _content(path)
+    encoding = encoding_of(content)
+    text = content.decode(encoding)
+    reader = _Reader(path, text, encoding, unreadable)
     if not text.startswith(MARK):
         raise Damaged(f"{path} is no backup: its first line is not {MARK}; save the parameters as .par with IndraWorks")
     found = []
@@ -76,12 +86,19 @@ def drives(path: Path, unreadable: Callable[[str], None] | None = None) -> list[
     return found
 
 
-def _text_of(path: Path) -> str:
+def encoding_of(content: bytes) -> str:
+    """Return the encoding of a backup, as more of its bytes say; Latin-1 if none says anything."""
+    units = b"\n".join(_UNITS.findall(content))
+    votes = {name: len(sign.findall(units)) + len(letter.findall(content)) for name, (sign, letter) in _SIGNS.items()}
+    return CP850 if votes[CP850] > votes[LATIN_1] else LATIN_1
+
+
+def _content(path: Path) -> bytes:
     try:
         about = path.stat()
         if not stat.S_ISREG(about.st_mode) or about.st_size > _LARGEST:  # a pipe would wait, a device never end
             raise Damaged(f"{path} is not a file, or larger than {_LARGEST >> 20} MB: name a backup of a drive")
-        return path.read_bytes().decode("latin-1")
+        return path.read_bytes()
     except OSError as error:
         raise Damaged(f"cannot read {path}: {error.strerror}; name a backup of a drive") from None
 
@@ -89,7 +106,8 @@ def _text_of(path: Path) -> str:
 class _Reader:
     """The lines of a file, and where it is damaged."""
 
-    def __init__(self, path: Path, text: str, unreadable: Callable[[str], None] | None) -> None:
+    def __init__(self, path: Path, text: str, encoding: str, unreadable: Callable[[str], None] | None) -> None:
+        self.encoding = encoding
         self._path = path
         self._unreadable = unreadable
         self._lines = re.split(r"\r?\n", text.rstrip("\r\n"))
@@ -155,7 +173,7 @@ def _drive(reader: _Reader) -> Drive:
         reader.skip(_BEGIN)
         if reader.has_more and reader.line != MARK:  # some backups end with a line "|"
             parameters.append(_saved(reader))
-    return Drive(name, kind, address, parameters)
+    return Drive(name, kind, address, parameters, reader.encoding)
 
 
 def _saved(reader: _Reader) -> Saved:
@@ -189,7 +207,10 @@ def _text(reader: _Reader, lines: Sequence[str]) -> tuple[list[str], bytes | Non
     length, text = (int(found[1]), found[3] or "") if found else (0, "")
     if not found or len(text) < length or text[length:] not in ("", " "):  # some fill it up to an even length
         raise reader.damaged("the text does not have its length", len(lines))
-    return [text[:length]], text[:length].encode("latin-1")
+    text = text[:length]
+    # Drives send Latin-1. Which bytes a text in CP850 has on the bus, no document says.
+    is_known = reader.encoding == LATIN_1 or text.isascii()
+    return [text], text.encode(LATIN_1) if is_known else None
 
 
 def _list(reader: _Reader, lines: Sequence[str], attribute: Attribute) -> tuple[list[str], bytes | None]:

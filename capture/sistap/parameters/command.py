@@ -13,7 +13,7 @@ from sistap.captures.joining import check_captures
 from sistap.common.packages import NotInstalled
 from sistap.common.writing import Incomplete, NotOpened, opened
 from sistap.parameters import against, user_table, wide, writing
-from sistap.parameters.backup import Damaged, Drive, drives, is_station
+from sistap.parameters.backup import LATIN_1, Damaged, Drive, drives, is_station
 from sistap.parameters.mf4 import Measurement
 from sistap.parameters.reading import Found, found
 from sistap.terminal.console import Console
@@ -103,7 +103,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _write_table(args: argparse.Namespace, console: Console) -> None:
     unreadable: list[str] = []
-    saved = _stations(args, drives(args.backup, unreadable.append))
+    saved = _stations(args, drives(args.backup, unreadable.append), console)
     with opened(args.output, [args.backup], force=args.force) as file:
         file.writelines(f"{line}\n".encode() for station, drive in saved for line in user_table.lines(drive, station))
     if unreadable:
@@ -112,7 +112,7 @@ def _write_table(args: argparse.Namespace, console: Console) -> None:
 
 
 def _write_accesses(args: argparse.Namespace, console: Console) -> None:
-    saved = _stations(args, drives(args.against)) if args.against else []
+    saved = _stations(args, drives(args.against), console) if args.against else []
     measurement = Measurement() if args.mf4 else None
     with Tshark() as tshark, opened(args.output, args.captures, force=args.force) as file:
         came = found(tshark, args.captures, console.say)
@@ -133,8 +133,10 @@ def _write_measurement(measurement: Measurement, came: Iterable[Found], file: Bi
         console.say(NOTHING)
 
 
-def _stations(args: argparse.Namespace, found_drives: Sequence[Drive]) -> Sequence[tuple[str, Drive]]:
+def _stations(args: argparse.Namespace, found_drives: Sequence[Drive], console: Console) -> Sequence[tuple[str, Drive]]:
     """Return the drives of a backup with their stations; "" is every station. Raise NotACapture."""
+    if found_drives[0].encoding != LATIN_1:
+        console.say(f"{args.backup or args.against}: its units and texts are read as {found_drives[0].encoding}")
     if len(found_drives) == 1:
         return [(args.station or "", found_drives[0])]
     several = [(drive.address, drive) for drive in found_drives if args.station in (None, drive.address)]

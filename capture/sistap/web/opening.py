@@ -39,7 +39,7 @@ class Log:
 
 
 def is_import(name: str) -> bool:
-    """Tell whether `sistap import` is for this file: it is a text of a logic analyser. May raise UsageError."""
+    """Tell whether `sistap import` is for this file: a text of a logic analyser, or of usbmon. May raise UsageError."""
     return known_text(Path(name)) is not None
 
 
