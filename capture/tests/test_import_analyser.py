@@ -200,9 +200,10 @@ def test_a_session_of_sigrok(tmp_path: Path) -> None:
 
 @needs_sigrok
 def test_a_session_with_more_channels_asks_which(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    path = session(tmp_path, sent(COMMAND, 5), sent(REACTION, 25), sent("55", 3))
+    path = session(tmp_path, sent(COMMAND, 5), sent(REACTION, 25), sent("41", 3))
     assert run(path).code == 2
-    assert "3 channels that change (0, 1, 2): name those of the bus, such as --device 0 or" in capfd.readouterr().err
+    said = "3 channels that can be lines of the bus (0, 1, 2): name those that are, such as --device 0 or --device 0,1"
+    assert said in capfd.readouterr().err
     done = run(path, "--device", "0")
     assert [(record.line, record.data) for record in done.records if record.type == Type.FRAME] == [
         (0, bytes.fromhex(COMMAND))
@@ -212,8 +213,8 @@ def test_a_session_with_more_channels_asks_which(tmp_path: Path, capfd: pytest.C
 @pytest.mark.parametrize(
     ("metadata", "why"),
     [
-        ("", "no session of sigrok with samples of logic"),
-        ("[device 1]\nunitsize=x\n", "no session of sigrok with samples of logic"),
+        ("", "is no session with samples of logic"),
+        ("[device 1]\nunitsize=x\n", "is no session with samples of logic"),
         ("[device 1]\nunitsize=1\nprobe1=D0\n", "add --samplerate HZ"),
         ("[device 1]\nsamplerate=1 MHz\nunitsize=1\ntotal analog=1\n", "no samples of logic channels"),
         ("[device 1]\nsamplerate=1 MHz\nunitsize=1\nprobe1=D0\n", "no channel that changes"),

@@ -2,6 +2,6 @@
 """`sistap import`: captures of other tools, converted into captures of sistap.
 
 The formats and how each is recognised (formats), the characters in them (usb, rtac, saleae, sigrok), and their common
-interface (source). They become a capture (convert). Whole messages become packets (messages). It may use all rooms but
-the other products.
+interface (source). Levels of logic analysers are read (session, vcd, levels), and become characters (wave). They become
+a capture (convert). Whole messages become packets (messages). It may use all rooms but the other products.
 """
