@@ -20,6 +20,7 @@ from imported import run
 from sampled_wire import NS, Sent, edges
 
 from sistap.analyser.finding import BAUDS, Line, find
+from sistap.common.packed import unpack
 from sistap.imports.formats import known
 from sistap.imports.source import Told
 from sistap.imports.wave import Wave, opened
@@ -265,6 +266,15 @@ def test_other_signals_beside_the_bus() -> None:
     assert found(recording) == ([SENT], said)
 
 
+def test_pulses_beside_the_bus_are_no_direction() -> None:
+    """A pulse of 9 bits or fewer looks like a character, however often it comes."""
+    characters = bursts(LineSettings.parse(9600, "8N1"))
+    edge = [int(character.time_ns * MHZ // NS) for character in characters]
+    pulses = array("q", [0, *(time for at in edge for time in (at, at + 300))])
+    said = "9600 Bd 8N1, found by the pulses; channel D0; channel IRQ has few characters"
+    assert found(wave(MHZ, D0=trace(characters, MHZ), IRQ=pulses)) == ([SENT], said)
+
+
 def test_what_is_given_is_not_searched_for() -> None:
     recording = wave(MHZ, D0=trace(bursts(LineSettings.parse(9600, "8N1")), MHZ))
     assert found(recording, Told(9600, "8N1")).said == "9600 Bd 8N1, as given; channel D0"
@@ -286,6 +296,13 @@ def test_a_channel_that_is_named_is_taken() -> None:
         "9600 Bd 8E1, found by the pulses; channel B, idle low (inverted)",
     )
     assert found(recording, Told(device="A,B")).lines == [SENT, SENT]
+
+
+def test_a_rate_that_changes_is_told() -> None:
+    """Only the beginning is searched: 4000 edges. All of it is read."""
+    slow, fast = bursts(LineSettings(9600)), bursts(LineSettings(115200), TELEGRAMS * 40, begin_ms=100)
+    source = opened(Path("x"), wave(2 * MHZ, D0=trace([*slow, *fast], 2 * MHZ)), Told(9600))
+    assert "most characters are faulty: the settings change in the file" in source.warning
 
 
 # The same recording in each form: a bus at 9600 Bd 8N1, inverted, and its driver enable.
@@ -484,6 +501,18 @@ def test_without_a_row_at_the_end_the_last_character_is_complete(tmp_path: Path)
     saleae(path)
     assert path.read_text().count("\n") == len(changes(RECORDING)) + 1
     assert run(path).records[-1].data == TELEGRAMS[-1]
+
+
+@pytest.mark.parametrize(
+    ("name", "cure"),
+    [("metadata", "`sistap import` reads it"), ("header", "`sistap import` reads it"), ("meta.json", "as CSV")],
+)
+def test_a_zip_of_an_analyser_is_not_to_be_unpacked(tmp_path: Path, name: str, cure: str) -> None:
+    """What all commands say of it that cannot read it."""
+    zipped(tmp_path / "x", **{name: ""})
+    assert cure in unpack(tmp_path / "x")
+    zipped(tmp_path / "x", **{"log.txt": ""})
+    assert "unzip" in unpack(tmp_path / "x")
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ BAUDS = (
 FORMATS = ("8E1", "8N1", "8O1")  # in doubt, the first
 
 _LIKELY = 5  # rates to try
-_ENOUGH = 8  # characters without an error
+_ENOUGH = 8  # characters without an error, not all alike: a short pulse looks like one
 _FAULTS = 8  # one character in this many may be faulty, by noise
 _FEWEST = 4  # steps of a clock
 
@@ -63,9 +63,15 @@ class Reading(NamedTuple):
         return 2 * self.good - len(self.characters) + self.in_telegrams
 
     @property
+    def is_clean(self) -> bool:
+        """Tell whether there are characters, most of them without an error."""
+        return 0 < len(self.characters) * (_FAULTS - 1) <= self.good * _FAULTS
+
+    @property
     def is_sound(self) -> bool:
-        """Tell whether these are characters. Checksums are not right by accident."""
-        return self.in_telegrams > 0 or 0 < len(self.characters) * (_FAULTS - 1) <= self.good * _FAULTS
+        """Tell whether these are characters. No checksum is right by accident."""
+        values = {character.value for character in self.characters}
+        return self.in_telegrams > 0 or self.is_clean and self.good >= _ENOUGH and len(values) > 1
 
 
 def read_as(line: Line, rate: int, settings: LineSettings) -> Reading:
@@ -89,9 +95,7 @@ def find(line: Line, rate: int, bauds: Sequence[int] = BAUDS, formats: Sequence[
     likely = nlargest(_LIKELY, (baud for baud in bauds if baud * FEWEST_SAMPLES <= rate), key=single)
     readings = (read_as(line, rate, LineSettings.parse(baud, text)) for baud in likely for text in formats)
     best = max(readings, key=_SCORE, default=None)
-    if best and best.is_sound and (best.in_telegrams or best.good >= _ENOUGH and not line.is_clock):
-        return best
-    return None
+    return best if best and best.is_sound and (best.in_telegrams or not line.is_clock) else None
 
 
 _SCORE = attrgetter("score")

@@ -40,11 +40,6 @@ class _Channel(NamedTuple):
     length: int  # counts of a character
 
     @property
-    def is_line(self) -> bool:
-        """Tell whether it makes characters."""
-        return self.reading.is_sound and (self.reading.in_telegrams > 0 or not self.head.is_clock)
-
-    @property
     def starts(self) -> list[int]:
         """Return when its characters begin."""
         return [character.start for character in self.reading.characters]
@@ -72,9 +67,11 @@ class _Channel(NamedTuple):
             return f"channel {self.name}" + (", idle low (inverted)" if self.reading.is_inverted else "")
         if copied := next((line.name for line in lines if self.repeats(line)), None):
             return f"channel {self.name} is a copy of {copied}"
-        is_enable = any(self.enables(line) for line in lines)
-        what = "is a driver enable" if is_enable else "is a clock" if self.head.is_clock else "makes no characters"
-        return f"channel {self.name} {what}"
+        if any(self.enables(line) for line in lines):
+            return f"channel {self.name} is a driver enable"
+        if self.head.is_clock:
+            return f"channel {self.name} is a clock"
+        return f"channel {self.name} " + ("has few characters" if self.reading.is_clean else "makes no characters")
 
 
 def opened(path: Path, wave: Wave, told: Told) -> SampledLine:
@@ -95,12 +92,13 @@ def opened(path: Path, wave: Wave, told: Told) -> SampledLine:
         path,
         (row for line in lines for row in _rows(wave, line)),
         told._replace(baud=settings.baud, format=settings.format, samplerate=told.samplerate or wave.samplerate),
+        "the settings change in the file: import it once more with --baud and --format of the other part",
     )
     how = "as given" if told.baud and told.format else "found by the pulses"
     if not any(line.reading.in_telegrams for line in lines):
         how += ", without a telegram"
     source.settings_from = "; ".join([how, *(channel.said(lines) for channel in channels)])
-    if not any(line.is_line for line in lines):
+    if not any(line.reading.is_clean or line.reading.in_telegrams for line in lines):
         source.warning = f"these are not the settings of this line: {_cure(wave, channels)}"
     return source
 
@@ -143,10 +141,14 @@ def _settings(path: Path, wave: Wave, heads: Mapping[str, Line], told: Told) -> 
 
 
 def _lines(channels: list[_Channel]) -> list[_Channel]:
-    """Return the lines of the bus; without characters, all channels."""
+    """Return the lines of the bus. If one has telegrams, more than a pulse is asked of the others."""
+    has_telegrams = any(channel.reading.in_telegrams for channel in channels)
     lines: list[_Channel] = []
     for channel in sorted(channels, key=lambda channel: -channel.reading.good):
-        if channel.is_line and not any(channel.repeats(line) for line in lines):
+        reading = channel.reading
+        makes = reading.is_sound if has_telegrams else reading.is_clean
+        is_clock = channel.head.is_clock and not reading.in_telegrams
+        if makes and not is_clock and not any(channel.repeats(line) for line in lines):
             lines.append(channel)
     return lines or channels
 
