@@ -255,7 +255,7 @@ def test_without_a_telegram_that_is_said() -> None:
     source = opened(Path("x"), wave(4 * MHZ, **channels), NOTHING)
     assert str(source.settings) == "250000 Bd 8N1"
     assert source.settings_from == (
-        "found by the pulses, without a telegram; channel CLK is a clock; channel MOSI, idle low (inverted)"
+        "found by the pulses, without a telegram of SIS; channel CLK is a clock; channel MOSI, idle low (inverted)"
     )
 
 

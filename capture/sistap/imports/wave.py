@@ -96,7 +96,7 @@ def opened(path: Path, wave: Wave, told: Told) -> SampledLine:
     )
     how = "as given" if told.baud and told.format else "found by the pulses"
     if not any(line.reading.in_telegrams for line in lines):
-        how += ", without a telegram"
+        how += ", without a telegram of SIS"
     source.settings_from = "; ".join([how, *(channel.said(lines) for channel in channels)])
     if not any(line.reading.is_clean or line.reading.in_telegrams for line in lines):
         source.warning = f"these are not the settings of this line: {_cure(wave, channels)}"
