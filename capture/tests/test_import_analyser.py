@@ -149,6 +149,12 @@ def test_without_parity_an_error_is_not_the_next_characters(tmp_path: Path) -> N
     assert rows(done) == [(0, 0x02, BAD), (0, 0x03, 0)]
 
 
+def test_a_decoder_with_wrong_settings(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    text = LOGIC_1.splitlines()[0] + "\n" + "".join(f"{place / 100},0x{place:02X},Error,\n" for place in range(9))
+    assert imported(tmp_path, text).code == 0
+    assert "most characters are faulty: set the decoder to the format of the line" in capfd.readouterr().err
+
+
 def test_sigrok_counts_samples(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert imported(tmp_path, SIGROK).code == 2
     assert "add --samplerate HZ" in capfd.readouterr().err
@@ -200,9 +206,10 @@ def test_a_session_of_sigrok(tmp_path: Path) -> None:
 
 @needs_sigrok
 def test_a_session_with_more_channels_asks_which(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    path = session(tmp_path, sent(COMMAND, 5), sent(REACTION, 25), sent("55", 3))
+    path = session(tmp_path, sent(COMMAND, 5), sent(REACTION, 25), sent(COMMAND, 28))
     assert run(path).code == 2
-    assert "3 channels that change (0, 1, 2): name those of the bus, such as --device 0 or" in capfd.readouterr().err
+    said = "3 channels that can be lines of the bus (0, 1, 2): name those that are, such as --device 0 or --device 0,1"
+    assert said in capfd.readouterr().err
     done = run(path, "--device", "0")
     assert [(record.line, record.data) for record in done.records if record.type == Type.FRAME] == [
         (0, bytes.fromhex(COMMAND))
@@ -212,8 +219,8 @@ def test_a_session_with_more_channels_asks_which(tmp_path: Path, capfd: pytest.C
 @pytest.mark.parametrize(
     ("metadata", "why"),
     [
-        ("", "no session of sigrok with samples of logic"),
-        ("[device 1]\nunitsize=x\n", "no session of sigrok with samples of logic"),
+        ("", "is no session with samples of logic"),
+        ("[device 1]\nunitsize=x\n", "is no session with samples of logic"),
         ("[device 1]\nunitsize=1\nprobe1=D0\n", "add --samplerate HZ"),
         ("[device 1]\nsamplerate=1 MHz\nunitsize=1\ntotal analog=1\n", "no samples of logic channels"),
         ("[device 1]\nsamplerate=1 MHz\nunitsize=1\nprobe1=D0\n", "no channel that changes"),

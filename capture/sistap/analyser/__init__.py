@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Logic analysers as ports.
 
-Their addresses, and which are plugged in (probe), samples to characters (uart), and the reader (reader). It may use
-line. line/reader imports `open_reader` when such a port is opened.
+Their addresses, and which are plugged in (probe), edges to characters (uart), the settings that make characters of
+edges (finding), and the reader (reader). It may use line. line/reader imports `open_reader` when such a port is opened.
 """
 
 from __future__ import annotations

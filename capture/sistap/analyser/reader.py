@@ -18,8 +18,9 @@ from contextlib import suppress
 from queue import Empty, Queue
 from typing import NamedTuple
 
+from sistap.analyser.finding import Line, find
 from sistap.analyser.probe import MISSING, PROGRAM, Probe, hertz, program
-from sistap.analyser.uart import ENOUGH_SAMPLES, FEWEST_SAMPLES, HIGH, LOW, Uart, rate_of
+from sistap.analyser.uart import ENOUGH_SAMPLES, FEWEST_SAMPLES, HIGH, LOW, Edges, Uart
 from sistap.common.complaints import Complaints
 from sistap.line.clock import CLOCK, monotonic_ns
 from sistap.line.reader.contract import PortError, PortLost
@@ -37,7 +38,7 @@ _PIPE_BYTES = 1 << 20  # as much as an ordinary user may set
 _HEADER = re.compile(rb"^Acquisition with .*channels(?: at (?P<rate>.+))?\n", re.MULTILINE)
 _NOT_BITS = bytes(set(range(256)) - set(b"01"))
 _SWAPPED = bytes.maketrans(HIGH + LOW, LOW + HIGH)
-_HEARD_SAMPLES = 1 << 18  # samples by which the rate of the line is measured
+_HEARD = 1 << 9  # edges by which the rate of the line is found
 
 
 class SigrokReader:
@@ -100,8 +101,8 @@ class SigrokReader:
 
     def measured_baud(self) -> float | None:
         """Return the rate according to the pulses on the line; None if there were too few."""
-        rates = [rate for channel in self._channels if (rate := rate_of(bytes(channel.heard), self._samplerate))]
-        return float(max(rates)) if rates else None
+        readings = [reading for channel in self._channels if (reading := find(channel.heard(), self._samplerate))]
+        return max(readings, key=lambda one: one.score).settings.baud if readings else None
 
     def close(self) -> None:
         """Release the analyser."""
@@ -147,16 +148,15 @@ class SigrokReader:
         if len(self._channels) > 1:
             found.sort(key=lambda read: read.time_ns)
         self._reads.extend(found)
-        if lost_ns := self._clock.lost_ns(chunk.time_ns, self._channels[0].uart.now):
+        if lost_ns := self._clock.lost_ns(chunk.time_ns, self._channels[0].edges.now):
             self._clock.skip(lost_ns)
             for channel in self._channels:
                 channel.lost = Flag.LOST_BEFORE
 
     def _characters(self, channel: _Channel, samples: bytes) -> Iterable[Read]:
-        channel.hear(samples)
         uart, clock = channel.uart, self._clock
         uncertainty_ns = clock.uncertainty_ns
-        for start, value, flag in uart.feed(samples):
+        for start, value, flag in uart.feed(channel.hear(samples), channel.edges.now):
             flags = bytes([flag | channel.lost])
             channel.lost = Flag(0)
             time_ns = clock.time_ns(start) + uart.stop_ns
@@ -181,13 +181,19 @@ class _Channel:
         self.inverted = inverted
         self.line = line
         self.lost = Flag(0)  # flags of the next character
-        self.heard = bytearray()  # samples that are not all alike, to measure the rate
+        self.edges = Edges()
+        self._heard: deque[int] = deque(maxlen=_HEARD)
 
-    def hear(self, samples: bytes) -> None:
-        """Keep the newest samples that contain edges."""
-        if LOW in samples and HIGH in samples:
-            self.heard += samples
-            del self.heard[:-_HEARD_SAMPLES]
+    def hear(self, samples: bytes) -> list[int]:
+        """Return the edges in these samples."""
+        edges = self.edges.feed(samples)
+        self._heard.extend(edges)
+        return edges
+
+    def heard(self) -> Line:
+        """Return the newest edges."""
+        is_high = self.edges.is_high == (len(self._heard) % 2 == 0)
+        return Line(tuple(self._heard), is_high, self.edges.now)
 
 
 class SampleClock:

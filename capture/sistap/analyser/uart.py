@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A UART in software: converts samples of a line into characters.
+"""A UART in software: converts the edges of a line into characters.
 
-A character begins at a falling edge. Each of its bits is sampled once, in the middle. A low shorter than half a bit is
-not a start bit. After a break or a missing stop bit, nothing begins until the line is high.
+A character begins at a falling edge. Each of its bits is looked at once, in the middle, so edges may be late by nearly
+half a bit. A low shorter than half a bit is not a start bit. After a break or a missing stop bit, nothing begins until
+the line is high.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
-from fractions import Fraction
-from itertools import product
-from operator import itemgetter
+from bisect import bisect
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from sistap.line.settings import Flag, LineSettings
@@ -20,93 +18,88 @@ HIGH, LOW = b"1", b"0"  # a sample, as sigrok writes it
 FEWEST_SAMPLES = 5  # for a bit; with fewer, the middle of the last bit is missed
 ENOUGH_SAMPLES = 20  # for a bit
 
-_PULSES = 3  # pulses of one width that are no accident
-_ALIKE = Fraction(11, 10)
-_RUN = re.compile(rb"(?<=1)0+(?=1)|(?<=0)1+(?=0)")
-
 
 class Sampled(NamedTuple):
     """A character."""
 
-    start: int  # the first sample of its start bit, counted from the very first sample
+    start: int  # time of the edge that begins it
     value: int
     flag: Flag
 
 
-class Uart:
-    """The UART of one line. `samplerate` is in Hz."""
+class Edges:
+    """Finds the edges in samples of a line. Before the first sample, the line counts as low."""
 
-    def __init__(self, samplerate: int, settings: LineSettings) -> None:
-        """Begin with an unknown line: it may be within a character."""
-        self._samplerate = samplerate
-        self._rest = b""  # samples that are not processed yet
-        self._base = 0  # the number of the first of them
-        self._is_high = False  # level before them: if high, they can begin with a start bit
+    def __init__(self) -> None:
+        self.now = 0  # the number of the next sample
+        self.is_high = False
+
+    def feed(self, samples: bytes) -> list[int]:
+        """Take samples, one in each byte; return the numbers of those that differ from the one before."""
+        found = []
+        at = -1
+        while (at := samples.find(LOW if self.is_high else HIGH, at + 1)) >= 0:
+            found.append(self.now + at)
+            self.is_high = not self.is_high
+        self.now += len(samples)
+        return found
+
+
+class Uart:
+    """The UART of one line. Its times are counts, `rate` of them in a second: samples, or units of a clock."""
+
+    def __init__(self, rate: int, settings: LineSettings, *, is_high: bool = False) -> None:
+        """Begin with the level before the first edge."""
+        self._rate = rate
+        self._edges: list[int] = []  # not processed yet; the first one falls
+        self._skip = 0 if is_high else 1  # edges before these: one that rises
         self.set(settings)
 
     def set(self, settings: LineSettings) -> None:
         """Use other settings from the next character on."""
-        bit = Fraction(self._samplerate, settings.baud)
-        bits = settings.data_bits + (settings.parity != "N") + 1  # the first stop bit is the last bit that is sampled
-        self._middle = int(bit / 2)  # the middle of the start bit
-        looks = [int(bit * (place + Fraction(1, 2))) for place in range(1, bits + 1)]
-        self._to_stop = looks[-1]
-        self._take = itemgetter(*looks)
+        self._two_bauds = 2 * settings.baud
+        self._bits = settings.data_bits + (settings.parity != "N") + 1  # after the start bit, with one stop bit
+        self._to_start = self._rate // self._two_bauds  # from the edge to the middle of the start bit
+        self._to_stop = (2 * self._bits + 1) * self._rate // self._two_bauds
         self._meanings = _meanings(settings)
-        self.stop_ns = round((bits + Fraction(1, 2)) * 1_000_000_000 / settings.baud)  # from start to middle of stop
+        self.stop_ns = round((2 * self._bits + 1) * 1_000_000_000 / self._two_bauds)  # from start to middle of stop
 
-    def feed(self, samples: bytes) -> Iterator[Sampled]:
-        """Take samples, one in each byte; yield the characters that they complete."""
-        data = self._rest + samples if self._rest else samples
-        at, size = 0, len(data)
-        while True:
-            if not self._is_high:
-                at = data.find(HIGH, at)
-                if at < 0:
-                    at = size
-                    break
-                self._is_high = True
-            start = data.find(LOW, at)
-            at = start if start >= 0 else size
-            if at + self._to_stop >= size:
-                break
-            frame = data[at : at + self._to_stop + 1]
-            self._is_high = False
-            if frame[self._middle] == HIGH[0]:  # a glitch
+    def feed(self, edges: Iterable[int], now: int) -> Iterator[Sampled]:
+        """Take the edges until `now`; yield the characters that are complete."""
+        held = [*self._edges, *edges]
+        at = self._skip
+        while at < len(held):
+            start = held[at]
+            middle = bisect(held, start + self._to_start, at)
+            is_past = middle < len(held) or now - start > self._to_start
+            if is_past and (middle - at) % 2 == 0:  # high again: a glitch
+                at += 2
                 continue
-            value, flag = self._meanings[bytes(self._take(frame))]
-            yield Sampled(self._base + at, value, flag)
-            at += self._to_stop
-        self._rest = data[at:]
-        self._base += at
+            end = bisect(held, start + self._to_stop, at)
+            if end == len(held) and now - start <= self._to_stop:
+                break
+            yield self._character(start, held[at + 1 : end])
+            at = end + (end - at) % 2  # if it is low, it has to rise first
+        self._edges, self._skip = held[at:], max(0, at - len(held))
 
-    @property
-    def now(self) -> int:
-        """Return the number of the next sample."""
-        return self._base + len(self._rest)
+    def _character(self, start: int, edges: Iterable[int]) -> Sampled:
+        ones = 0
+        for time in edges:
+            # Invert the bits from the first one on whose middle is not before the edge; 0 is the start bit.
+            ones ^= -1 << ((time - start) * self._two_bauds + self._rate - 1) // (2 * self._rate)
+        return Sampled(start, *self._meanings[ones >> 1 & (1 << self._bits) - 1])
 
 
-def _meanings(settings: LineSettings) -> dict[bytes, tuple[int, Flag]]:
-    """Return value and flag of a character, given its bits from the lowest to the stop bit."""
+def _meanings(settings: LineSettings) -> list[tuple[int, Flag]]:
+    """Return value and flag of each character: its index has its bits, from the lowest to the stop bit."""
     count = settings.data_bits
-    meanings = {}
-    for bits in product((0, 1), repeat=count + (settings.parity != "N") + 1):
-        value = sum(bit << place for place, bit in enumerate(bits[:count]))
-        wanted = {"E": value.bit_count() % 2, "O": 1 - value.bit_count() % 2, "M": 1, "S": 0, "N": bits[count]}
-        is_wrong = bits[count] != wanted[settings.parity] or not bits[-1]
-        flag = Flag.BREAK if not any(bits) else Flag.CHARACTER_ERROR if is_wrong else Flag(0)
-        meanings[bytes(HIGH[0] if bit else LOW[0] for bit in bits)] = value, flag
+    bits = count + (settings.parity != "N") + 1
+    meanings = []
+    for character in range(1 << bits):
+        value = character & (1 << count) - 1
+        wanted = {"E": value.bit_count() % 2, "O": 1 - value.bit_count() % 2, "M": 1, "S": 0}
+        parity = character >> count & 1
+        is_wrong = parity != wanted.get(settings.parity, parity) or not character >> bits - 1
+        flag = Flag.CHARACTER_ERROR if is_wrong else Flag(0)
+        meanings.append((value, flag if character else Flag.BREAK))
     return meanings
-
-
-def rate_of(samples: bytes, samplerate: int) -> Fraction | None:
-    """Return the rate in Bd that the shortest pulse of these samples means; None: too few pulses.
-
-    A width counts only if it occurs several times: a glitch comes alone.
-    """
-    widths = sorted(match.end() - match.start() for match in _RUN.finditer(samples))
-    for first, last in zip(widths, widths[_PULSES - 1 :], strict=False):
-        if last <= first * _ALIKE + 1 and first > 1:
-            of_a_bit = [width for width in widths if first <= width <= first * _ALIKE + 1]
-            return Fraction(samplerate * len(of_a_bit), sum(of_a_bit))
-    return None

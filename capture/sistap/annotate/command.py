@@ -153,7 +153,10 @@ def _judge(args: argparse.Namespace, passage: Passage, console: Console) -> int:
         console.say(f"{log} has lines of the ASCII protocol of drives: explain them with --framing ascii")
         return DONE if passage.bytes else USAGE
     if not passage.bytes:
-        console.say(f"no bytes were found in {log}: log in hexadecimal, or say with --regex where they are")
+        console.say(
+            f"no bytes were found in {log}: log in hexadecimal, or say with --regex where they are; what a logic "
+            "analyser recorded is for `sistap import`"
+        )
         return USAGE
     if not passage.telegrams:
         wanted = "telegram of SIS" if args.framing == SIS else "frame"

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Packed files: told from others, and how to unpack them."""
+"""Packed files: told from others, and how to unpack them; recordings of logic analysers are zips, too."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
+from zipfile import BadZipFile, ZipFile
 
 from sistap.terminal.advice import shell_word
 
@@ -15,10 +16,16 @@ _PACKED = {
     rb"PK\x03\x04": "unzip",
     rb"7z\xbc\xaf": "7z x",
 }
+# The recordings of logic analysers among zips, by a file in them.
+_RECORDINGS = {
+    "metadata": "is a session of sigrok: `sistap import` reads it",
+    "header": "is a session of DSView: `sistap import` reads it",
+    "meta.json": "is a capture of Saleae Logic 2: export its raw data there, as CSV; `sistap import` reads that",
+}
 
 
 def unpack(path: Path) -> str:
-    """Return how to unpack a packed file; empty if it is not packed, or cannot be read."""
+    """Return what to do with a packed file; empty if it is not packed, or cannot be read."""
     try:
         if not path.is_file():  # opening a pipe would wait for a writer
             return ""
@@ -26,5 +33,17 @@ def unpack(path: Path) -> str:
             head = file.read(6)
     except OSError:
         return ""
+    names = _names(path) if head.startswith(b"PK") else []
+    if recording := next((what for name, what in _RECORDINGS.items() if name in names), ""):
+        return f"{path} {recording}"
     command = next((command for magic, command in _PACKED.items() if re.match(magic, head)), "")
     return f"{path} is packed: unpack it first, for example with `{command} {shell_word(str(path))}`" if command else ""
+
+
+def _names(path: Path) -> list[str]:
+    """Return what is in a zip."""
+    try:
+        with ZipFile(path) as archive:
+            return archive.namelist()
+    except (BadZipFile, OSError):
+        return []

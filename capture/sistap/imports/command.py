@@ -36,6 +36,9 @@ Convert what another tool recorded into a capture of sistap:
 sistap detects the format from the contents of FILE. It keeps all characters, their errors, and their times. The last
 message says how exact the times are. Captures of USB and RTAC need tshark.
 
+From the levels of a logic analyser, sistap finds rate, format, polarity and the channels of the bus. The last message
+says what was found. What you state with --baud, --format and --device is not searched for.
+
 With --dissector, FILE is a table of whole messages. Each line has the time in s, M (master) or S (slave), and the
 bytes. Each message becomes a packet for that dissector of Wireshark. A message of synaxobj begins with a head of 3
 bytes: index (2) and operation (1).
@@ -47,7 +50,7 @@ examples:
   sistap import usb.pcapng -w bus.pcapng --device 1.5                  one of several adapters
   sistap import logic.csv -w bus.pcapng --baud 9600                    a table does not say the rate
   sistap import logic.csv -w s5.pcapng --baud 9600 --framing 3964r     an S5 and a PPC over 3964R
-  sistap import pulseview.sr -w bus.pcapng                             the samples themselves
+  sistap import pulseview.sr -w bus.pcapng                             the levels themselves: the rate is found
   sistap import pulseview.txt -w - --baud 9600 --samplerate 1000000 | wireshark -C SIS -k -i -
   sistap import messages.csv -w pcp.pcapng --dissector synaxpcp        lines such as 0.125,M,0082 000C 0002
 
@@ -79,19 +82,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--format",
         metavar="FORMAT",
-        help="data bits, parity N, E, O, M or S, stop bits; goes before what FILE says (default 8E1)",
+        help="data bits, parity N, E, O, M or S, stop bits; goes before what FILE says (default 8E1; found in levels)",
     )
     add("--framing", type=argument(Cut.parse), default=SIS, metavar=WORDS, help=HELP)
     add(
         "--device",
         metavar="BUS.ADDRESS",
-        help="choose this adapter, if a USB capture has several; of a session of sigrok, these channels: D0 or D0,D1",
+        help="choose this adapter, if a USB capture has several; in levels of a logic analyser, these channels: D0 or "
+        "D0,D1",
     )
     add(
         "--samplerate",
         type=_whole,
         metavar="HZ",
-        help="sample rate of the logic analyser; needed for texts of sigrok; makes the times of a Saleae table exact",
+        help="sample rate of the logic analyser; needed for texts of sigrok; makes the times of a table exact",
     )
     add("--dissector", choices=messages.DISSECTORS, help="FILE is a table of messages for this dissector")
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.common.packed import unpack
-from sistap.imports import saleae, session, sigrok, usb_transfers, usbmon
+from sistap.imports import levels, saleae, session, sigrok, usb_transfers, usbmon, vcd, wave
 from sistap.imports.dissected import protocols
 from sistap.imports.rtac import RtacCapture
 from sistap.imports.source import Source, Told
@@ -26,6 +26,14 @@ class Text(NamedTuple):
     name: str
     first_line: str  # regular expression
     opened: Callable[[Path, Told], Source]
+
+
+class Form(NamedTuple):
+    """A recording of a logic analyser."""
+
+    name: str
+    is_it: Callable[[Path, str], bool]  # by the file and its beginning
+    read: Callable[[Path, Told], wave.Wave]
 
 
 class Capture(NamedTuple):
@@ -55,17 +63,27 @@ TEXTS = (
     ),
     Text("annotations of sigrok-cli and PulseView with sample numbers", sigrok.FIRST_LINE, sigrok.opened),
 )
-NAMES = (*(known.name for known in CAPTURES + TEXTS), session.NAME)
+WAVES = (
+    Form(
+        "sessions of sigrok-cli, PulseView (.sr) and DSView (.dsl)",
+        lambda path, _: session.is_session(path),
+        session.read,
+    ),
+    Form("value change dumps (.vcd)", lambda _, head: vcd.is_dump(head), vcd.read),
+    Form(
+        "tables of levels (.csv) of Saleae, PulseView, DSView", lambda _, head: levels.is_table(head), levels.read_table
+    ),
+    Form("binary exports of Saleae Logic 2 (.bin)", lambda _, head: head.startswith(levels.SALEAE), levels.read_saleae),
+)
+NAMES = tuple(known.name for known in (*CAPTURES, *TEXTS, *WAVES))
 
 _HEAD = 4096  # bytes that contain the first line
 
 
 def opened(path: Path, told: Told, tools: ExitStack) -> Source:
     """Recognise a file and open it; `tools` keeps what it needs. May raise UsageError and TsharkError."""
-    if text := known_text(path):
-        return text.opened(path, told)
-    if session.is_session(path):
-        return session.opened(path, told)
+    if opener := known(path):
+        return opener(path, told)
     tshark = tools.enter_context(Tshark())
     seen = protocols(tshark, path)
     for capture in CAPTURES:
@@ -79,10 +97,16 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
     )
 
 
-def known_text(path: Path) -> Text | None:
-    """Return which of the known texts a file is; None: none of them. May raise UsageError."""
-    first_line = _head(path).removeprefix("\ufeff").lstrip()
-    return next((text for text in TEXTS if re.match(text.first_line, first_line)), None)
+def known(path: Path) -> Callable[[Path, Told], Source] | None:
+    """Return what opens a file of a logic analyser; None: it is none. May raise UsageError."""
+    head = _head(path).removeprefix("\ufeff").lstrip()
+    for text in TEXTS:
+        if re.match(text.first_line, head):
+            return text.opened
+    for form in WAVES:
+        if form.is_it(path, head):
+            return lambda path, told: wave.opened(path, form.read(path, told), told)
+    return None
 
 
 def _head(path: Path) -> str:

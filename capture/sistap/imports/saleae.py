@@ -73,9 +73,9 @@ def _rows(path: Path, table: Table, told: Told) -> Iterator[Row | Unreadable]:
         if cells.get("type") not in (None, "data"):  # Logic 2: a row of another analyser
             continue
         try:
-            duration_s = _seconds(cells[table.duration]) if table.duration else frame_s
+            duration_s = seconds(cells[table.duration]) if table.duration else frame_s
             value, flags = _value(cells, table)
-            yield Row(cells.get(table.channel) or "serial", _seconds(cells[table.time]) + duration_s, value, flags)
+            yield Row(cells.get(table.channel) or "serial", seconds(cells[table.time]) + duration_s, value, flags)
         except (ValueError, TypeError, KeyError) as error:
             yield Unreadable(rows.line_num, str(error) if isinstance(error, ValueError) else "it is cut")
 
@@ -90,7 +90,7 @@ def _value(cells: _Cells, table: Table) -> tuple[int, Flag]:
     return int(match[1], 16), Flag.CHARACTER_ERROR if is_bad else Flag(0)
 
 
-def _seconds(text: str) -> Fraction:
+def seconds(text: str) -> Fraction:
     """Convert seconds, or a date with time; ValueError if the text is neither."""
     if _SECONDS.fullmatch(text):
         return Fraction(text)

@@ -15,6 +15,8 @@ from sistap.terminal.exits import UsageError
 
 HEXADECIMAL = "let the decoder show hexadecimal values, and export again"
 
+DECODER = "set the decoder to the format of the line, mostly 8E1; or export the levels, then sistap finds the settings"
+
 # Saleae's decoder needs at least this many samples a bit; an edge is seen at most one sample late.
 _SAMPLES_A_BIT = 4
 _LONGEST_S = 1 << 32  # 136 years; twice of it, in ns, fits into a file
@@ -39,14 +41,19 @@ class Unreadable(NamedTuple):
 class SampledLine:
     """A Source: the characters of one or two channels."""
 
-    def __init__(self, path: Path, rows: Iterable[Row | Unreadable], told: Told) -> None:
-        """Read all characters: a table may have one channel after the other. May raise UsageError."""
+    def __init__(self, path: Path, rows: Iterable[Row | Unreadable], told: Told, cure: str = DECODER) -> None:
+        """Read all characters: a table may have one channel after the other. May raise UsageError.
+
+        `cure` is what to do if most of them are faulty.
+        """
         self.settings = told.settings
         self.settings_from = "as given"
         self.warning = ""
         self._rows = sorted(self._readable(rows), key=lambda row: row.time_s)
         if not self._rows:
             raise UsageError(f"{path} has no characters that can be read: {self.warning or HEXADECIMAL}")
+        if 2 * sum(bool(row.flags & ~Flag.LOST_BEFORE) for row in self._rows) > len(self._rows):
+            self.warning = self.warning or f"most characters are faulty: {cure}"
         channels = sorted({row.channel for row in self._rows})
         if len(channels) > 2:
             listed = ", ".join(channels)

@@ -16,7 +16,7 @@ from sistap.annotate.reading import AnyReader
 from sistap.annotate.sources import SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
-from sistap.imports.formats import known_text
+from sistap.imports.formats import known
 from sistap.records.cut import SIS
 from sistap.terminal.exits import UsageError
 
@@ -39,8 +39,8 @@ class Log:
 
 
 def is_import(name: str) -> bool:
-    """Tell whether `sistap import` is for this file: a text of a logic analyser, or of usbmon. May raise UsageError."""
-    return known_text(Path(name)) is not None
+    """Tell whether `sistap import` is for this file: of an analyser, or text of usbmon. May raise UsageError."""
+    return known(Path(name)) is not None
 
 
 def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], None]) -> str:

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Value change dumps (IEEE 1364, chapter 18), as sigrok, PulseView, DSView, Saleae and simulators write them."""
+
+from __future__ import annotations
+
+import re
+from array import array
+from collections.abc import Iterator
+from pathlib import Path
+
+from sistap.analyser.probe import hertz
+from sistap.imports.source import Told, lines
+from sistap.imports.wave import Wave
+from sistap.terminal.exits import UsageError
+
+_UNITS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12, "fs": 10**15}
+_ACQUIRED = re.compile(r"\bat (\d[\d.]* [kMG]?Hz)\b")  # what sigrok says of its samples
+
+
+def is_dump(head: str) -> bool:
+    """Tell whether a text begins as a dump."""
+    return re.match(r"\$(date|version|comment|timescale|scope|var)\b", head) is not None
+
+
+def read(path: Path, told: Told) -> Wave:
+    """Read a dump: its signals of one bit. May raise UsageError."""
+    words = (word for line in lines(path) for word in line.split())
+    try:
+        return _changes(words, _Header(words))
+    except (ValueError, OverflowError) as error:
+        raise UsageError(f"{path} is no value change dump that can be read ({error})") from None
+
+
+class _Header:
+    """What comes before the changes."""
+
+    def __init__(self, words: Iterator[str]) -> None:
+        self.rate = 0
+        self.samplerate: int | None = None
+        self.names: dict[str, str] = {}  # of signals, by their codes
+        known = set()
+        scopes: list[str] = []
+        for word in words:
+            if word == "$enddefinitions":
+                break
+            said = list(iter(lambda: next(words, "$end"), "$end"))
+            match word, said:
+                case "$timescale", _:
+                    self.rate = _rate("".join(said))
+                case "$comment", _ if acquired := _ACQUIRED.search(" ".join(said)):
+                    self.samplerate = hertz(acquired[1])
+                case "$scope", [_, scope, *_]:
+                    scopes.append(scope)
+                case "$upscope", _:
+                    del scopes[-1:]
+                case "$var", [_, "1", code, name, *_] if code not in self.names:
+                    self.names[code] = ".".join([*scopes, name]) if name in known else name
+                    known.add(name)
+        if not self.rate:
+            raise ValueError("no $timescale")
+
+
+def _rate(text: str) -> int:
+    match = re.fullmatch(r"(1|10|100)([munpf]?s)", text)
+    if not match or _UNITS[match[2]] % int(match[1]):
+        raise ValueError(f"$timescale {text}")
+    return _UNITS[match[2]] // int(match[1])
+
+
+def _changes(words: Iterator[str], header: _Header) -> Wave:
+    edges = {code: array("q") for code in header.names}
+    now = last = 0
+    for word in words:
+        level, code = word[0], word[1:]
+        if level == "#":
+            now = max(now, int(code))
+        elif word == "$comment":
+            while next(words, "$end") != "$end":
+                pass
+        elif level in "bBrR":  # vectors and real numbers are not among the signals; but a bit may be written as b1
+            level, code = code, next(words, "")
+        signal = edges.get(code)
+        if signal is not None and level in ("0", "1") and len(signal) % 2 != int(level):
+            signal.append(now)
+            last = now
+    channels = {header.names[code]: signal for code, signal in edges.items()}
+    return Wave(header.rate, channels, now if now > last else now + header.rate, header.samplerate)
