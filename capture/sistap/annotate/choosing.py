@@ -13,17 +13,18 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from sistap.annotate.cutting import RecordCutter
-from sistap.annotate.notations import NOTATIONS, PAIRS, Notation, Numbers, Text
+from sistap.annotate.notations import NOTATIONS, PAIRS, Notation, Numbers
 from sistap.annotate.reading import ANYTHING, ANYWHERE, Choice, ChosenReader, Contents, Prepared, places_of
 from sistap.annotate.textlog import LogLine
 from sistap.records.cut import SIS, Cut
 from sistap.records.record import Framing, Type
+from sistap.sis.telegram import STATIC_LENGTH, checksum_good
 
 LONGEST = 1 << 20  # characters of a log by which it is chosen
-_LINES = 1000  # with numbers: enough for a choice
+_LINES = 1000  # enough for a choice
 _PLACES = 8  # of a notation are tried: those with most bytes
 _JUDGED = (Framing.SIS, Framing.PROCEDURE_3964R)  # their frames have a checksum
-_BEGINNING = re.compile(rb"\x02.(.)\1|\x10\x03", re.DOTALL)  # of a telegram, or the end of a block
+_BEGINNING = re.compile(rb"(?=\x02.(.)\1)", re.DOTALL)  # of a telegram: start, checksum, equal lengths
 
 
 class Score(NamedTuple):
@@ -80,7 +81,7 @@ class AnyReader:
         choice = choose(self._kept, self._framing)
         if not choice or choice == self._reader.choice:
             return False
-        self._reader.choose(choice)
+        self._reader.choice = choice
         return True
 
 
@@ -89,22 +90,15 @@ def choose(lines: Iterable[LogLine], framing: Cut = SIS) -> Choice | None:
     if framing.framing not in _JUDGED:
         return None
     reader = ChosenReader(ANYTHING)
-    prepared = (one for line in lines if (one := reader.prepare(line)))
+    prepared = [one for line in lines if (one := reader.prepare(line))]
     return next((choice for some in _windows(prepared) if (choice := _Chooser(some, framing).choose())), None)
 
 
-def _windows(prepared: Iterable[Prepared]) -> Iterator[list[Prepared]]:
-    """Cut a log into parts that are enough for a choice."""
-    some: list[Prepared] = []
-    count = 0
-    for one in prepared:
-        some.append(one)
-        count += any(map(str.isdigit, one.masked))
-        if count == _LINES:
-            yield some
-            some, count = [], 0
-    if some:
-        yield some
+def _windows(prepared: list[Prepared]) -> Iterator[list[Prepared]]:
+    """Yield the beginning and the end: one is enough for a choice."""
+    yield prepared[:_LINES]
+    if len(prepared) > _LINES:
+        yield prepared[-_LINES:]
 
 
 def _has_bytes(lines: Iterable[LogLine], framing: Cut) -> bool:
@@ -130,8 +124,8 @@ class _Chooser:
 
     def choose(self) -> Choice | None:
         """Return what makes most telegrams, with as little as possible; None if nothing makes any."""
-        best = Choice((PAIRS,))
-        if not self._score(best).telegrams or not self._is_all_read:
+        score, best = self._tried(Choice((PAIRS,)))
+        if not score.telegrams or not self._is_all_read:
             best = self._longer()
         return best._replace(name=self._name(best)) if best.notations else None
 
@@ -153,26 +147,29 @@ class _Chooser:
         text = "\n".join(one.masked for one in self._prepared)
         found: tuple[list[_Candidate], list[_Candidate]] = [], []
         for notation in NOTATIONS:
-            if isinstance(notation, Text) and not notation.hint.search(text):
-                continue
             at: defaultdict[str, bytearray] = defaultdict(bytearray)
-            for one in self._prepared:
+            everything = bytearray()
+            for one in self._prepared if notation.hint.search(text) else ():
                 runs, _ = notation.runs(one.masked)
                 wide = [notation.is_wide(run, one.masked) for run in runs]
                 for run, place in zip(runs, places_of(one.masked, runs, wide), strict=True):
                     at[place] += run.data
+                    everything += run.data
             most = sorted(at, key=lambda place: -len(at[place]))[:_PLACES]
-            everything = b"".join(at.values())
             for where, data in [(None, everything), *((place, at[place]) for place in most), (ANYWHERE, everything)]:
                 if data:
-                    found[not _BEGINNING.search(data)].append((notation, where))
+                    found[not self._may_be(data)].append((notation, where))
         return found
 
+    def _may_be(self, data: bytes) -> bool:
+        """Tell whether bytes have a right telegram, if that is quick to tell."""
+        ends = ((one.start(), one.start() + STATIC_LENGTH + one[1][0]) for one in _BEGINNING.finditer(data))
+        return self._framing != SIS or any(end <= len(data) and checksum_good(data[at:end]) for at, end in ends)
+
     def _tried(self, choice: Choice) -> tuple[Score, Choice]:
-        """Return the score of a choice: nothing if a special notation makes mostly other bytes."""
+        """Return the score of a choice: nothing if it makes mostly other bytes."""
         score = self._score(choice)
-        is_plain = all(notation.is_plain for notation in choice.notations)
-        return (score if is_plain or score.telegrams > -score.others else Score()), choice
+        return (score if score.telegrams > -score.others else Score()), choice
 
     def _score(self, choice: Choice) -> Score:
         reader, cutter = ChosenReader(choice), RecordCutter(self._framing)

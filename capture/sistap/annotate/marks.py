@@ -13,8 +13,7 @@ _WORDS = {
     SENT: "tx txd snd send sent sending transmit transmitted out outbound outgoing write written wrote wr w o req "
     "request gesendet senden sende anfrage 发",
     RECEIVED: "rx rxd rcv recv rcvd receive received receiving in inbound incoming read rd r i rsp resp response reply "
-    "answer antwort "
-    "empfangen empfang empfange 收",
+    "answer empfangen empfang empfange antwort 收",
 }
 _ARROWS = {SENT: "→ -> --> => ==> >> >>> >", RECEIVED: "← <- <-- <= <== << <<< <"}
 

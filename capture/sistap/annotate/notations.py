@@ -47,6 +47,7 @@ class Numbers(NamedTuple):
     """Each byte is a number, or several are joined."""
 
     name: str
+    hint: re.Pattern[str]  # each log of this notation has it
     number: re.Pattern[str]
     byte: re.Pattern[str]  # group 1: its digits
     enough: int  # fewer bytes, among other words, may be words and numbers themselves
@@ -57,7 +58,7 @@ class Numbers(NamedTuple):
     def runs(self, text: str) -> tuple[list[Run], int]:
         """Find runs of numbers with the same separator, and where a text column begins that shows the same bytes."""
         found: list[Run] = []
-        numbers = [*self.number.finditer(text)]
+        numbers = [*self.number.finditer(text)] if self.hint.search(text) else []
         for first, last in _evenly(text, numbers, by_length=self.is_joined):
             if self.is_joined and len(numbers[first][0]) == len("02"):
                 continue
@@ -90,7 +91,7 @@ class Text(NamedTuple):
     """Bytes are characters; those that cannot be shown are escapes."""
 
     name: str
-    hint: re.Pattern[str]  # each such log has it
+    hint: re.Pattern[str]
     said: re.Pattern[str]  # finds such texts; its group `said` are the characters
     byte: re.Pattern[str]  # its groups: hex, octal, decimal, letter, char
     is_plain: bool = False
@@ -128,8 +129,8 @@ def _value(one: re.Match[str]) -> int:
     return _LETTERS.get(said.lower(), ord(said)) if kind == "letter" else ord(said)
 
 
-def _numbers(name: str, number: str, byte: str, enough: int, **kinds: Any) -> Numbers:
-    return Numbers(name, re.compile(_BEFORE + number + _AFTER), re.compile(byte), enough, **kinds)
+def _numbers(name: str, hint: str, number: str, byte: str, enough: int, **kinds: Any) -> Numbers:
+    return Numbers(name, re.compile(hint), re.compile(_BEFORE + number + _AFTER), re.compile(byte), enough, **kinds)
 
 
 def _text(name: str, hint: str, escapes: str, said: str, **kinds: Any) -> Text:
@@ -140,23 +141,29 @@ def _quoted(escape: str) -> str:
     return rf"(?P<quote>['\"])(?P<said>(?:{escape}[ -~]|(?!{escape}|(?P=quote))[ -~])*)(?P=quote)"
 
 
-PAIRS = _numbers("pairs of hexadecimal digits", _HH, f"({_HH})", 4)
-_JOINED = _numbers("hexadecimal digits side by side", rf"(?:{_HH})+", f"({_HH})", 8, is_joined=True)
+PAIRS = _numbers("pairs of hexadecimal digits", _HH, _HH, f"({_HH})", 4)
+_JOINED = _numbers("hexadecimal digits side by side", _HH * 2, rf"(?:{_HH})+", f"({_HH})", 8, is_joined=True)
 _DECIMAL = r"(?:-(?:12[0-8]|1[01]\d|\d?\d)|25[0-5]|2[0-4]\d|[01]?\d?\d)"
 NOTATIONS: tuple[Notation, ...] = (
     PAIRS,
     _text(
         "text with escapes of C or Python",
-        r"\\x|\\[0-7]|\bb['\"]",
+        r"\\[x0-7]|\bb['\"]",
         rf"\\x(?P<hex>{_HH})|\\(?P<octal>[0-3]?[0-7]{{1,2}})|\\(?P<letter>[abfnrtv\\'\"])",
         _quoted(r"\\"),
         is_plain=True,
     ),
-    _numbers("hexadecimal with a mark", f"(?:(?:{_MARK}){_H}|{_HH}[hH])", f"(?:{_MARK})?({_H})[hH]?", 4),
-    _numbers("words", rf"(?:{_MARK_OF_WORD}){_HH}(?:_?{_HH})+", rf"(?:{_MARK_OF_WORD}|_)?({_HH})", 4),
+    _numbers(
+        "hexadecimal with a mark",
+        r"[xX$%&\\#]|[0-9A-Fa-f][hH]",
+        f"(?:(?:{_MARK}){_H}|{_HH}[hH])",
+        f"(?:{_MARK})?({_H})[hH]?",
+        4,
+    ),
+    _numbers("words", "16#|KH|0[xX]", rf"(?:{_MARK_OF_WORD}){_HH}(?:_?{_HH})+", rf"(?:{_MARK_OF_WORD}|_)?({_HH})", 4),
     _JOINED,
-    _numbers("hexadecimal without leading zeros", _H, f"({_H})", 8, is_plain=False),
-    _numbers("decimal", _DECIMAL, r"((?:(?<!\d)-)?\d+)", 8, base=10, is_plain=False),
+    _numbers("hexadecimal without leading zeros", _H, _H, f"({_H})", 8, is_plain=False),
+    _numbers("decimal", r"\d", _DECIMAL, r"((?:(?<!\d)-)?\d+)", 8, base=10, is_plain=False),
     _text("text with escapes of JSON", r"\\u00", rf"\\u00(?P<hex>{_HH})|\\(?P<letter>[bfnrt\\/\"])", _quoted(r"\\")),
     _text("text with escapes of LabVIEW", rf"\\{_HH}", rf"\\(?P<hex>{_HH})|\\(?P<letter>[bfnrst\\])", _quoted(r"\\")),
     _text(

@@ -8,7 +8,7 @@ bytes, the direction mark in front of them. What a line does not state is carrie
 from __future__ import annotations
 
 import re
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -25,6 +25,7 @@ from sistap.explain.fields import EXPLANATION
 # Lines that annotate or log added, after spaces, are never read.
 _EXPLANATION = re.compile(rf"\s*{re.escape(EXPLANATION)}")
 _BRACKETS = "<[({"  # directly in front of bytes these are not marks
+_WAY_BACK = re.compile(r"IRP_MJ_WRITE\W+UP\b")  # Windows' drivers pass a request down, then up with the same bytes
 _COLOUR = re.compile(r"\x1b\[[\d;]*[A-Za-z]")  # of a terminal
 # What may stand beside a mark in a line of its own: its name, and a count.
 _KEY = re.compile(r"\W*[A-Za-z]+\W*[:=]\W*")
@@ -121,17 +122,13 @@ class ChosenReader:
         self._timestamps = TimestampParser()
         self._marks = Marks()
         self._state = State()
-        self._places = set(choice.places)
-
-    def choose(self, choice: Choice) -> None:
-        """Read what this choice says, from now on."""
-        self.choice = choice
-        self._places |= choice.places
+        # By notation: what stood in front of bytes.
+        self._places: defaultdict[str, set[str]] = defaultdict(set)
 
     def prepare(self, line: LogLine) -> Prepared | None:
-        """Mask the stamps of a line; None if annotate wrote it."""
+        """Mask the stamps of a line; None if it repeats what others say."""
         text = line.text
-        if is_explanation(text):
+        if is_explanation(text) or ("IRP_MJ_" in text and _WAY_BACK.search(text)):
             return None
         if "\x1b" in text:
             text = _COLOUR.sub(lambda match: " " * len(match[0]), text)
@@ -168,9 +165,8 @@ class ChosenReader:
     def _data(self, masked: str) -> list[Run]:
         """Return the bytes of a line, which are all in one notation."""
         notations = self.choice.notations
-        if PAIRS in notations and (run := plain(masked)) and (PAIRS.is_wide(run, masked) or self.choice.reads_few):
-            if (PAIRS.name, "") not in self._places or run.start:
-                self._places.add((PAIRS.name, _place(masked[: run.start])))
+        if PAIRS in notations and (run := plain(masked)) and PAIRS.is_wide(run, masked):
+            self._places[PAIRS.name].add(_place(masked[: run.start]))
             return [run]
         best: list[Run] = []
         for notation in notations:
@@ -182,17 +178,20 @@ class ChosenReader:
 
     def _among(self, masked: str, notation: Notation, runs: list[Run], end: int) -> list[Run]:
         """Return which of these are bytes: many side by side; a few where this log has bytes; or all of the line."""
-        wide = [notation.is_wide(run, masked) for run in runs]
-        places = [(notation.name, place) for place in places_of(masked, runs, wide)]
-        self._places.update(place for place, is_wide in zip(places, wide, strict=True) if is_wide)
-        if (notation.name, ANYWHERE) in self.choice.places:
+        chosen = {place for name, place in self.choice.places if name == notation.name}
+        if ANYWHERE in chosen:
             return runs
-        known = self._places
-        if isinstance(notation, Numbers):
-            if _has_letters(masked[runs[-1].end : end]):
-                known = set(self.choice.places)  # words follow
-            elif self.choice.reads_few and not any(wide) and _is_alone(masked, runs):
-                return runs
+        wide = [notation.is_wide(run, masked) for run in runs]
+        known = self._places[notation.name]
+        if isinstance(notation, Numbers) and _has_letters(masked[runs[-1].end : end]):
+            known = set()  # words follow
+        elif isinstance(notation, Numbers) and self.choice.reads_few and not any(wide) and _is_alone(masked, runs):
+            return runs
+        if not any(wide) and not known and not chosen:
+            return []
+        places = [*places_of(masked, runs, wide)]
+        self._places[notation.name].update(place for place, is_wide in zip(places, wide, strict=True) if is_wide)
+        known = known | chosen
         return [run for run, place, is_wide in zip(runs, places, wide, strict=True) if is_wide or place in known]
 
     def _heading(self, masked: str, stamps: list[Stamped]) -> None:
