@@ -22,8 +22,6 @@ from typing import Self
 
 from sistap.annotate import sources
 from sistap.annotate.annotating import Passage
-from sistap.annotate.raw import RawReader
-from sistap.annotate.reading import AnyReader
 from sistap.annotate.sources import SourceError
 from sistap.bus.scenarios import scenario
 from sistap.bus.scenarios.scenario import Playing
@@ -206,7 +204,7 @@ def read(path: str | Path) -> Iterator[Record]:
         yield from reading.records(Path(path))
         return
     source = sources.look(str(path), SIS)
-    passage = Passage(RawReader() if source.is_raw else AnyReader())
+    passage = Passage(source.reader)
     for batch in source.lines(SIS, lambda _: None):
         for line in batch:
             yield from (cut.record for cut in passage.feed(line).cuts)

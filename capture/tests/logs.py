@@ -29,6 +29,11 @@ def _shared(*times_ms: float) -> list[Expected]:
 NO_TIMES = [Expected(SET_RATE), Expected(READ_PHASE), Expected(PHASE)]
 EVEN = NO_TIMES[1:]
 SENT_AND_RECEIVED = [Expected(SET_RATE, SENT, 0), Expected(READ_PHASE, SENT, 100), Expected(PHASE, RECEIVED, 136)]
+# A list of parameters is read, in rows of 16 bytes with the rest below: of each telegram one more.
+LISTS = [
+    bytes([2, 0x5A - 9 * more, 8 + more, 8 + more, *bytes.fromhex("00 10 10 03 3C 03 24 00 00 00 07 07"), *[7] * more])
+    for more in range(8)
+]
 MARKED = [Expected(SET_RATE, SENT), Expected(READ_PHASE, SENT), Expected(PHASE, RECEIVED)]
 
 LOGS: dict[str, tuple[str, list[Expected]]] = {
@@ -313,5 +318,150 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
         "2\t0.641000\tout\t02 6C 00 00 00 92 00 00\n"
         "3\t0.677000\tin\t02 56 02 02 10 92 00 00 00 02\n",
         MARKED,
+    ),
+    # Forms that only the whole log tells: see choosing.py.
+    "esp-idf, rows with a label": (
+        "".join(
+            f"I ({4541 + 100 * more}) uart: {data[start : start + 16].hex(' ')} \n"
+            for more, data in enumerate(LISTS)
+            for start in range(0, len(data), 16)
+        ),
+        [Expected(data) for data in LISTS],
+    ),
+    "rows with a label and a time": (
+        "".join(
+            f"Sep 25 10:06:0{more} /dev/ttyS0 --> message: {more} length: {len(data)} \n"
+            + "".join(
+                f"Sep 25 10:06:0{more} data:       {data[start : start + 16].hex(' ')} \n"
+                for start in range(0, len(data), 16)
+            )
+            for more, data in enumerate(LISTS)
+        ),
+        [Expected(data, SHARED, 1000 * more) for more, data in enumerate(LISTS)],
+    ),
+    "esp-idf, a dump with addresses in memory": (
+        "D (4541) app: 0x3f40b3cc   02 d7 03 03 00 03 10 03  04 07 00  |...........|\n"
+        "D (4641) app: 0x3f40b3cc   02 6c 00 00 00 92 00 00    |.l......|\n"
+        "D (4677) app: 0x3f40b3cc   02 56 02 02 10 92 00 00  00 02  |.V........|\n",
+        NO_TIMES,
+    ),
+    "esp-idf, letters of levels": (
+        "I (4541) m: 02 d7 03 03 00 03 10 03\nW (4541) m: 04 07 00 02 6c 00 00 00\n"
+        "I (4577) m: 92 00 00 02 56 02 02 10 92 00 00 00 02\n",
+        NO_TIMES,
+    ),
+    "qmodmaster": (
+        "[RTU]>Tx > 08:21:14:541 - 02  D7  03  03  00  03  10  03  04  07  00  \n"
+        "[RTU]>Tx > 08:21:14:641 - 02  6C  00  00  00  92  00  00  \n"
+        "[RTU]>Rx > 08:21:14:677 - 02  56  02  02  10  92  00  00  00  02  \n",
+        SENT_AND_RECEIVED,
+    ),
+    "modbus_tk, dashes": (
+        "2013-03-14 08:21:14,541 DEBUG modbus_tk -> 2-215-3-3-0-3-16-3-4-7-0\n"
+        "2013-03-14 08:21:14,641 DEBUG modbus_tk -> 2-108-0-0-0-146-0-0\n"
+        "2013-03-14 08:21:14,677 DEBUG modbus_tk <- 2-86-2-2-16-146-0-0-0-2\n",
+        SENT_AND_RECEIVED,
+    ),
+    "java, signed": (
+        "TX [2, -41, 3, 3, 0, 3, 16, 3, 4, 7, 0]\nTX [2, 108, 0, 0, 0, -110, 0, 0]\n"
+        "RX [2, 86, 2, 2, 16, -110, 0, 0, 0, 2]\n",
+        MARKED,
+    ),
+    "json, a number a line": (
+        "".join(
+            f'{{\n  "dir": "{mark}",\n  "data": [\n    ' + ",\n    ".join(map(str, data)) + "\n  ]\n}\n"
+            for mark, data in (("tx", SET_RATE), ("tx", READ_PHASE), ("rx", PHASE))
+        ),
+        MARKED,
+    ),
+    "json, escapes": (
+        '{"dir":"tx","data":"\\u0002\\u00d7\\u0003\\u0003\\u0000\\u0003\\u0010\\u0003\\u0004\\u0007\\u0000"}\n'
+        '{"dir":"tx","data":"\\u0002l\\u0000\\u0000\\u0000\\u0092\\u0000\\u0000"}\n'
+        '{"dir":"rx","data":"\\u0002V\\u0002\\u0002\\u0010\\u0092\\u0000\\u0000\\u0000\\u0002"}\n',
+        MARKED,
+    ),
+    "node, lists over several lines": (
+        "TX [\n  2, 215, 3, 3,\n  0, 3, 16, 3,\n  4, 7, 0\n]\nTX [\n  2, 108, 0, 0,\n  0, 146, 0, 0\n]\n"
+        "RX [\n  2, 86, 2, 2,\n  16, 146, 0, 0,\n  0, 2\n]\n",
+        MARKED,
+    ),
+    "python, hexlify": (
+        "TX b'02d7030300031003040700'\nTX b'026c000000920000'\nRX b'02560202109200000002'\n",
+        MARKED,
+    ),
+    "labview": (
+        '14.03.2013 08:21:14.541\tWrite\t"\\02\\D7\\03\\03\\00\\03\\10\\03\\04\\07\\00"\n'
+        '14.03.2013 08:21:14.641\tWrite\t"\\02l\\00\\00\\00\\92\\00\\00"\n'
+        '14.03.2013 08:21:14.677\tRead\t"\\02V\\02\\02\\10\\92\\00\\00\\00\\02"\n',
+        SENT_AND_RECEIVED,
+    ),
+    "codesys": (
+        "TX '$02$D7$03$03$00$03$10$03$04$07$00'\nTX '$02l$00$00$00$92$00$00'\nRX '$02V$02$02$10$92$00$00$00$02'\n",
+        MARKED,
+    ),
+    "delphi": (
+        "TX #2#215#3#3#0#3#16#3#4#7#0\nTX #2'l'#0#0#0#146#0#0\nRX #2'V'#2#2#16#146#0#0#0#2\n",
+        MARKED,
+    ),
+    "cutecom, control characters": (
+        "[08:21:14.541] <0x02><0xd7><0x03><0x03><0x00><0x03><0x10><0x03><0x04><0x07><0x00>\n"
+        "[08:21:14.641] <0x02>l<0x00><0x00><0x00><0x92><0x00><0x00>\n"
+        "[08:21:14.677] <0x02>\n[08:21:14.678] V\n[08:21:14.679] <0x02><0x02><0x10><0x92><0x00><0x00><0x00><0x02>\n",
+        _shared(0, 100, 136),
+    ),
+    "both directions in a line, behind words": (
+        "2024-04-13 18:15:13.559 ERROR: request ask for id=1 but got id=127, Skipping. "
+        + ">>>>> send: 0x2 0x6c 0x0 0x0 0x0 0x92 0x0 0x0 "
+        ">>>>> recv: 0x2 0x56 0x2 0x2 0x10 0x92 0x0 0x0 0x0 0x2 extra data: " * 2 + "\n",
+        [Expected(READ_PHASE, SENT, 0), Expected(PHASE, RECEIVED, 0)] * 2,
+    ),
+    "sigrok, a byte a line": ("".join(f"uart-1: {byte:02X}\n" for byte in SET_RATE + READ_PHASE + PHASE), NO_TIMES),
+    "dsview": (
+        "Id,Time[ns],0:UART: RX/TX\n"
+        + "".join(
+            f"{place},{541 + place}000000.00,{byte:02X}\n" for place, byte in enumerate(SET_RATE + READ_PHASE + PHASE)
+        ),
+        NO_TIMES,
+    ),
+    "hhd, requests and answers": (
+        'Port opened by process "drive.exe" (PID: 1234)\n\n'
+        "Request: 3/14/2013 4:30:30 PM.34364 (+0.0000 seconds)\n\n 02 D7 03 03 00 03 10 03 04 07 00   ...........\n\n"
+        "Request: 3/14/2013 4:30:30 PM.44364 (+0.0000 seconds)\n\n 02 6C 00 00 00 92 00 00            .l......\n\n"
+        "Answer: 3/14/2013 4:30:30 PM.47964 (+0.0360 seconds)\n\n 02 56 02 02 10 92 00 00 00 02      .V........\n\n",
+        SENT_AND_RECEIVED,
+    ),
+    "eltima, a table with both ways of a request": (
+        "1 14/03/2013 08:21:14 IRP_MJ_WRITE DOWN  02 d7 03 03 00 03 10 03 04 07 00  ........... 11 11 COM4  \n"
+        "2 14/03/2013 08:21:14 IRP_MJ_WRITE UP STATUS_SUCCESS 02 d7 03 03 00 03 10 03 04 07 00  ........... 11\n"
+        "3 14/03/2013 08:21:15 IRP_MJ_WRITE DOWN  02 6c 00 00 00 92 00 00  .l...... 8 8 COM4  \n"
+        "4 14/03/2013 08:21:15 IRP_MJ_WRITE UP STATUS_SUCCESS 02 6c 00 00 00 92 00 00  .l...... 8  COM4  \n"
+        "5 14/03/2013 08:21:16 IRP_MJ_READ UP STATUS_SUCCESS 02 56 02 02 10 92 00 00 00 02  .V...?.... 10  COM4  \n",
+        [Expected(SET_RATE, SENT, 0), Expected(READ_PHASE, SENT, 1000), Expected(PHASE, RECEIVED, 2000)],
+    ),
+    "portsniffer": (
+        "".join(
+            f"{mark} |    1 | {byte:02X}\n"
+            for mark, data in (("W", SET_RATE), ("W", READ_PHASE), ("R", PHASE))
+            for byte in data
+        ),
+        MARKED,
+    ),
+    "serialtool, bars": (
+        "28/12/2022@22:43:10.829::Packet[00000001l]>>Serial [1] [[COM5] - USB Serial Port] Sent 11 bytes.\n"
+        "02|D7|03|03|00|03|10|03|04|07|00| | | | | || . . . . . . . . . . .\n"
+        "28/12/2022@22:43:10.929::Packet[00000002l]>>Serial [1] [[COM5] - USB Serial Port] Sent 8 bytes.\n"
+        "02|6C|00|00|00|92|00|00| | | | | | | | || . l . . . . . .\n"
+        "28/12/2022@22:43:10.965::Packet[00000003l]<<Serial [1] [[COM5] - USB Serial Port] Received 10 bytes.\n"
+        "02|56|02|02|10|92|00|00|00|02| | | | | | || . V . . . . . . . .\n",
+        _shared(0, 100, 136),
+    ),
+    "matlab": (
+        "tx =\n\n     2   108     0     0     0   146     0     0\n\n"
+        "rx =\n\n     2    86     2     2    16   146     0     0     0     2\n",
+        MARKED[1:],
+    ),
+    "a table, a decimal number a line": (
+        "time,value\n" + "".join(f"0.{541 + place},{byte}\n" for place, byte in enumerate(READ_PHASE + PHASE)),
+        [Expected(READ_PHASE, SHARED, 0), Expected(PHASE, SHARED, 8)],
     ),
 }

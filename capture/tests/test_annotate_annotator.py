@@ -17,8 +17,8 @@ from specification import TELEGRAMS
 
 from sistap.annotate.annotating import Passage, annotate_live, annotate_recorded, record
 from sistap.annotate.annotator import TextAnnotator
+from sistap.annotate.choosing import AnyReader
 from sistap.annotate.explaining import WholeCapture
-from sistap.annotate.reading import AnyReader
 from sistap.annotate.spool import Spool
 from sistap.annotate.textlog import LogLine, lines
 from sistap.common.writing import Incomplete

@@ -117,6 +117,42 @@ def test_a_log_of_another_protocol_says_so(log: Path, capfdbinary: pytest.Captur
     assert last.startswith("^-- No SIS: none of ") and "another protocol, rate or format? Check protocol" in last
 
 
+# Of USS: the third line and half of the fourth have equal lengths, and a wrong checksum of SIS.
+USS = """\
+02 0E 01 64 E0 00 00 00 00 00 00 00 00 00 00 89
+02 0E 01 16 4E 00 00 00 00 02 0C 06 07 00 00 4A
+02 06 04 04 7C 20 00 58
+02 06 04 06 07 00 00 01
+02 0C 03 20 0A 00 00 00 00 04 7F 10 00 4F
+"""
+
+
+@pytest.mark.parametrize("name", ["x", "-"])
+def test_a_log_of_another_protocol_accuses_nobody(tmp_path: Path, name: str) -> None:
+    (tmp_path / "x").write_text(USS)
+    done = run(tmp_path, name, stdin=USS.encode())
+    said = {text.partition("^-- ")[2] for text in done.stdout.decode().splitlines() if "^-- " in text}
+    assert all("other characters" in text or text.startswith("No SIS: ") for text in said)
+    refused(done, 0, "has 62 bytes, but no telegram of SIS")
+
+
+def test_the_notation_is_named_if_it_is_not_usual(tmp_path: Path) -> None:
+    (tmp_path / "x").write_text("-> 2-108-0-0-0-146-0-0\n<- 2-86-2-2-16-146-0-0-0-2\n")
+    done = run(tmp_path, "x")
+    assert done.stderr == b"sistap: x: bytes: decimal, separated by dashes\n"
+    assert done.stdout.decode().count("Read phase") == 2
+
+
+@pytest.mark.parametrize(
+    ("log", "told"), [("[2, 108, 0, 0, 0, -110, 0, 0]\n" * 2, 2), ("2\n108\n0\n0\n0\n146\n0\n0\n" * 3, 2)]
+)
+def test_a_pipe_in_another_notation(tmp_path: Path, log: str, told: int) -> None:
+    """It is chosen when its first telegram is complete. Lines before that one are not read again."""
+    done = run(tmp_path, "-", stdin=log.encode())
+    assert done.stdout.decode().count("Read phase") == told
+    assert b"bytes: decimal" in done.stderr
+
+
 def test_a_log_with_faults_ends_with_what_happened(log: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:
     """Its checksum is wrong; the last line has no ending, and what is added does not change that."""
     damaged = PHASE[:-1] + bytes([PHASE[-1] ^ 1])

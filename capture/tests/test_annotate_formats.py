@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 from logs import LOGS, PHASE, Expected
 from specification import TELEGRAMS
 
-from sistap.annotate import hexadecimal, reading
 from sistap.annotate.annotating import Passage
+from sistap.annotate.choosing import AnyReader
 from sistap.annotate.marks import MASK
+from sistap.annotate.notations import BY_NAME, PAIRS, plain
 from sistap.annotate.pattern import PatternReader
-from sistap.annotate.reading import AnyReader, LogReader
+from sistap.annotate.reading import LogReader
 from sistap.annotate.textlog import lines
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag
 from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
@@ -26,8 +27,9 @@ def records(
     text: str, reader: LogReader | None = None, troubles: list[tuple[int, str]] | None = None, framing: Cut = SIS
 ) -> list[Record]:
     said = [] if troubles is None else troubles
-    passage = Passage(reader or AnyReader(), lambda number, why: said.append((number, why)), framing)
-    cuts = [cut for line in lines([text.encode()]) for cut in passage.feed(line).cuts]
+    log = [*lines([text.encode()])]
+    passage = Passage(reader or AnyReader(log, framing), lambda number, why: said.append((number, why)), framing)
+    cuts = [cut for line in log for cut in passage.feed(line).cuts]
     return [cut.record for cut in cuts + passage.end()]
 
 
@@ -188,8 +190,8 @@ def test_a_regular_expression_says_where_bytes_are() -> None:
 
 def test_where_each_byte_of_a_word_stands() -> None:
     text = "DW#16#0256_0202 KH = 1092, W#16#0000 16#0002"
-    [run] = hexadecimal.runs(text)
-    assert [text[start:end] for start, end in run.spans()] == [
+    runs, _ = BY_NAME["words"].runs(text)
+    assert [text[start:end] for run in runs for start, end in run.spans()] == [
         *("DW#16#02", "56", "_02", "02", "KH = 10", "92", "W#16#00", "00", "16#00", "02"),
     ]
 
@@ -243,13 +245,5 @@ _SCRAPS += ["b'", *"-<>:.#/+'\"\\|$", "16#", "0x"]
 
 @given(st.lists(st.sampled_from(_SCRAPS), max_size=10).map("".join))
 def test_the_quick_way_finds_what_the_long_one_finds(text: str) -> None:
-    assert hexadecimal.runs(text) == hexadecimal._runs(text, hexadecimal._RUN)
-
-
-_COUNTS = ["Len", "COUNT", "12", " 3", "=", " ", "(7)", "[8]:", "bytes", "Zeichen", "x"]
-
-
-@given(st.lists(st.sampled_from(_COUNTS)).map("".join))
-def test_counts_are_found_in_one_pass_or_two(text: str) -> None:
-    both = re.compile(rf"{reading._COUNT_IN_WORDS.pattern}|{reading._COUNT.pattern}")
-    assert reading._mask_counts(text) == both.sub(lambda match: MASK * len(match[0]), text)
+    if run := plain(text):
+        assert PAIRS.runs(text)[0] == [run]

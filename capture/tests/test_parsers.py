@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.annotate import hexadecimal
+from sistap.annotate import notations
 from sistap.annotate.stamps import TimestampParser
 from sistap.annotate.textlog import LineCutter
 from sistap.captures import reading
@@ -151,18 +151,24 @@ def test_telegrams(data: bytes) -> None:
     assert sum(map(len, told.lines(START_NS, 1000))) <= 1000
 
 
+def runs(text: str) -> None:
+    for notation in notations.NOTATIONS:
+        for run in notation.runs(text)[0]:
+            assert len(run.data) == len(run.spans())
+
+
 @given(bytes_like("16.03.2026 09:00:00,123 TX: 02 6C 00 00 00 92 00 00 |.l......|\n".encode("utf-16")))
 @pytest.mark.parametrize("encoding", ["latin-1", "utf-16"])
 def test_lines_of_logs(encoding: str, data: bytes) -> None:
     cutter = LineCutter()
     for line in (*cutter.feed(data), *cutter.end()):
         text = getattr(line, "text", "")
-        hexadecimal.runs(text)
+        runs(text)
         TimestampParser().find(text)
     text = data.decode(encoding, errors="replace")
-    hexadecimal.runs(text)
+    runs(text)
     with suppress(ValueError):
-        hexadecimal.parse(text)
+        notations.parse(text)
     rows.columns(("a", "b"), text)
 
 

@@ -46,7 +46,8 @@ class Passage:
         self._framing = framing
         self.lines = 0
         self.bytes = 0
-        self.telegrams = 0
+        self.telegrams = 0  # right ones
+        self._others = 0  # bytes outside telegrams
         self.has_ascii = False  # between telegrams of SIS, there are words of the ASCII protocol
 
     def feed(self, line: LogLine) -> Found:
@@ -71,12 +72,18 @@ class Passage:
         return self._counted(self._cutter.end())
 
     def _counted(self, cuts: list[LogRecord]) -> list[LogRecord]:
-        for cut in cuts:
-            if cut.record.type == Type.FRAME:
-                self.telegrams += 1
-            else:
-                self._look_for_ascii(cut.record.data)
-        return cuts
+        return [self._judged(cut) for cut in cuts]
+
+    def _judged(self, cut: LogRecord) -> LogRecord:
+        """Count a record. In a log of another protocol, some bytes look like a damaged telegram."""
+        record = cut.record
+        if record.is_good_frame:
+            self.telegrams += 1
+        elif record.type == Type.OTHER or (not self.telegrams and len(record.data) < self._others):
+            self._others += len(record.data)
+            self._look_for_ascii(record.data)
+            return cut._replace(record=record._replace(type=Type.OTHER, checksum_bad=False))
+        return cut
 
     def _look_for_ascii(self, data: bytes) -> None:
         if self._framing == SIS and not self.has_ascii:

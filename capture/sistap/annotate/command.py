@@ -15,9 +15,7 @@ from sistap.annotate.explaining import LiveCapture, WholeCapture
 from sistap.annotate.meanings import Meanings
 from sistap.annotate.page import PageAnnotator
 from sistap.annotate.pattern import PatternReader, TooSlow
-from sistap.annotate.raw import RawReader
-from sistap.annotate.reading import AnyReader, LogReader
-from sistap.annotate.session import SessionReader
+from sistap.annotate.reading import LogReader
 from sistap.annotate.sources import Source, SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
@@ -93,7 +91,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="reader",
         metavar="REGEX",
         type=_reader,
-        default=AnyReader,
         help="a pattern (regular expression) for a line of the log, with the names of text2pcap: (?<data>...) is the "
         "bytes in hexadecimal; (?<time>...) and (?<dir>...) are optional; lines that do not fit are left out",
     )
@@ -107,10 +104,10 @@ def run(args: argparse.Namespace) -> int:
     troubles = Troubles(console.say)
     try:
         _check(args)
-        source = sources.look(args.log, args.framing if args.reader is AnyReader else None)
+        source = sources.look(args.log, args.framing, args.reader and args.reader())
         if source.is_raw:
             console.say(f"{_name(args)} is no text: its bytes are read as they are, without times and directions")
-        passage = Passage(_reader_of(args, source), troubles.add, args.framing)
+        passage = Passage(source.reader, troubles.add, args.framing)
         if args.capture:
             _capture(args, source, passage, console)
         else:
@@ -123,15 +120,11 @@ def run(args: argparse.Namespace) -> int:
     except (Incomplete, TsharkError, OutputError) as error:
         console.say(str(error))
         return FAILED
-    troubles.end()
+    if passage.telegrams:
+        troubles.end()
+        if source.reader.notation:
+            console.say(f"{_name(args)}: bytes: {source.reader.notation}")
     return _judge(args, passage, console)
-
-
-def _reader_of(args: argparse.Namespace, source: Source) -> LogReader:
-    if source.is_raw:
-        return RawReader()
-    reader: LogReader = SessionReader() if source.is_session else args.reader()
-    return reader
 
 
 def _check(args: argparse.Namespace) -> None:
@@ -222,6 +215,7 @@ def _explain_whole(
         with opened(str(capture), cure="name a larger folder with TMPDIR") as blocks:
             annotating.record(_batches(args, source, console), passage, _name(args), blocks.write, spool)
         sayer = WholeCapture(tshark, fields, capture, args.thresholds)
+        sayer.has_telegram = bool(passage.telegrams)
         annotator: Annotator = TextAnnotator(file.write)
         if args.format == "html":
             annotator = PageAnnotator(file.write, _name(args), Meanings(stack.enter_context(Tshark()), capture))

@@ -45,6 +45,7 @@ class WholeCapture:
         self._fields = fields
         self._engine = Engine(thresholds=thresholds)
         self._times_s: list[float] = []  # of the first and the last packet
+        self.has_telegram = True  # without a right one, no fault is anybody's
         self._lines = tshark.lines(["-r", str(capture), "-2", *self._fields.arguments])
         next(self._lines, None)
 
@@ -57,7 +58,7 @@ class WholeCapture:
         packet = packet_of(columns)
         self._engine.add(packet)
         self._times_s = [*self._times_s[:1], packet.epoch_s]
-        return said(columns)
+        return said(columns) if self.has_telegram else said(columns)._replace(advice="")
 
     def answer(self) -> list[str]:
         """Return the five lines that say what happened, if something has to be looked at and the log has times.
@@ -69,7 +70,7 @@ class WholeCapture:
         if foreign:
             return [f"{text} {RULES['foreign'].do}" for text in foreign]
         is_news = any(one.severity >= Severity.WARNING or one.kind in DAMAGE for one in episodes)
-        if not self._times_s or not self._times_s[0] or not is_news:
+        if not self._times_s or not self._times_s[0] or not is_news or not self.has_telegram:
             return []
         return [line.text for line in lines(episodes, self._times_s[0], self._times_s[-1])]
 
@@ -82,9 +83,11 @@ class LiveCapture:
         self._blocks = Blocks(log)
         self._process = Running(tshark, self._fields.arguments)
         self._first = True
+        self._has_telegram = False  # until then, no fault is anybody's
 
     def put(self, record: Record) -> None:
         """Send a record to tshark."""
+        self._has_telegram |= record.is_good_frame
         self._process.put(self._blocks.packet(record))
 
     def get(self) -> Said:
@@ -92,7 +95,8 @@ class LiveCapture:
         if self._first:
             self._first = False
             self._answer()  # skip the answer to the event
-        return self._fields.said(self._answer())
+        said = self._fields.said(self._answer())
+        return said if self._has_telegram else said._replace(advice="")
 
     def _answer(self) -> str:
         try:

@@ -11,21 +11,27 @@ SHARED, RECEIVED, SENT = 0, 1, 2
 
 _WORDS = {
     SENT: "tx txd snd send sent sending transmit transmitted out outbound outgoing write written wrote wr w o req "
-    "request gesendet senden sende 发",
+    "request gesendet senden sende anfrage 发",
     RECEIVED: "rx rxd rcv recv rcvd receive received receiving in inbound incoming read rd r i rsp resp response reply "
-    "empfangen empfang empfange 收",
+    "answer empfangen empfang empfange antwort 收",
 }
 _ARROWS = {SENT: "→ -> --> => ==> >> >>> >", RECEIVED: "← <- <-- <= <== << <<< <"}
 
 _LINE_OF = {mark: line for table in (_WORDS, _ARROWS) for line, marks in table.items() for mark in marks.split()}
-_WORD = "|".join(sorted(" ".join(_WORDS.values()).split(), key=len, reverse=True))
-_ARROW = "|".join(re.escape(arrow) for arrow in sorted(" ".join(_ARROWS.values()).split(), key=len, reverse=True))
 MASK = "\u3164"  # replaces recognised text. It is in no log, and it is part of a word, so no bytes begin behind it
 
-# A word may be joined to others, as in "IRP_MJ_READ", or be followed by a port number, as in "RX1". An arrow is not
-# part of a bracket around the data.
+_NAMES = sorted(" ".join(_WORDS.values()).split(), key=len, reverse=True)
+_WORD = "|".join(name for name in _NAMES if len(name) > 1)
+_LETTER = "".join(name for name in _NAMES if len(name) == 1 and name.isascii())
+_ARROW = "|".join(re.escape(arrow) for arrow in sorted(" ".join(_ARROWS.values()).split(), key=len, reverse=True))
+_ARROW = rf"(?:{_ARROW})(?=[\s\]:◇◆]|$)"
+
+# A word may be joined to others, as in "IRP_MJ_READ", or be followed by a port number, as in "RX1", or by an arrow,
+# which means less. A letter stands directly in front of the bytes: elsewhere, I and W are levels of a log. An arrow is
+# not part of a bracket around the data.
 _MARK = re.compile(
-    rf"(?<![^\W_{MASK}])(?:(?<![<>=-])(?i:({_WORD}))\d?(?![^\W_{MASK}])|(?<![<>=\"'/-])({_ARROW})(?=[\s\]:◇◆]|$))|(发|收)"
+    rf"(?<![^\W_{MASK}])(?:(?<![<=-])(?i:({_WORD}))\d?(?![^\W_{MASK}])(?:\s*{_ARROW})?"
+    rf"|(?<![<>=-])(?i:([{_LETTER}]))(?! *\()(?=[\W\d{MASK}]*$)|(?<![<>=\"'/-])({_ARROW}))|(发|收)"
 )
 
 # If two ports were tapped, their names are the marks.
@@ -55,11 +61,11 @@ def _last_mark(text: str) -> tuple[int, int, int] | None:
     last = None
     for match in _MARK.finditer(text):
         last = match
-    return (_line(last), last.start(), last.end()) if last else None
+    return (_line(last), *last.span(last.lastindex or 0)) if last else None
 
 
 def _line(match: re.Match[str]) -> int:
-    return _LINE_OF[(match[1] or match[2] or match[3]).lower()]
+    return _LINE_OF[match[match.lastindex or 0].lower()]
 
 
 def joined(text: str) -> int | None:
@@ -70,6 +76,11 @@ def joined(text: str) -> int | None:
         if "_" in text[match.start() - 1 : match.start()] + text[match.end() : match.end() + 1]:
             return _line(match)
     return None
+
+
+def without(text: str) -> str:
+    """Return a text without its marks."""
+    return _MARK.sub(" ", text)
 
 
 def direction(mark: str) -> int | None:

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from sistap.annotate import hexadecimal, marks
+from sistap.annotate import marks, notations
 from sistap.annotate.reading import Contents, State, is_explanation
 from sistap.annotate.stamps import TimestampParser
 from sistap.annotate.textlog import LogLine
@@ -44,6 +44,8 @@ def _time_limit(line: LogLine) -> Iterator[None]:
 class PatternReader:
     """Reads lines by a regular expression with the groups of text2pcap: data, time and dir."""
 
+    notation = ""
+
     def __init__(self, pattern: str) -> None:
         """Compile the expression. ValueError says what is wrong with it."""
         try:
@@ -69,7 +71,7 @@ class PatternReader:
                 groups = match.groupdict()
                 trouble = self._set(groups) or trouble
                 try:
-                    run = hexadecimal.parse(groups["data"] or "", match.start("data"))
+                    run = notations.parse(groups["data"] or "", match.start("data"))
                 except ValueError as error:
                     trouble = str(error)
                 else:

@@ -10,10 +10,11 @@ import re
 from collections.abc import Iterator
 
 from sistap.annotate.annotating import Passage
-from sistap.annotate.hexadecimal import Run
+from sistap.annotate.choosing import AnyReader
 from sistap.annotate.marks import SHARED
-from sistap.annotate.reading import AnyReader, Contents, LogReader, Piece
-from sistap.annotate.textlog import Cutter, LineCutter, LogLine
+from sistap.annotate.notations import PAIRS, Run
+from sistap.annotate.reading import Contents, LogReader, Piece
+from sistap.annotate.textlog import Cutter, LineCutter, LogLine, lines
 from sistap.line.settings import Flag, LineSettings, Read
 from sistap.records.cut import Cut
 from sistap.records.record import Framing, Record
@@ -32,7 +33,7 @@ def is_raw(beginning: bytes, framing: Cut) -> bool:
     if framing.framing == Framing.SILENCE or beginning == beginning.translate(None, _CONTROLS):
         return False
     return _telegrams(beginning, RawCutter(framing), RawReader(), framing) > _telegrams(
-        beginning, LineCutter(), AnyReader(), framing
+        beginning, LineCutter(), AnyReader(lines([beginning]), framing), framing
     )
 
 
@@ -75,10 +76,12 @@ class RawCutter:
 class RawReader:
     """Reads the lines of a raw log."""
 
+    notation = ""
+
     def contents(self, line: LogLine) -> Contents:
         """Return all bytes of a line."""
         try:
-            run = Run(0, len(line.text), "pairs", line.text, bytes.fromhex(line.text))
+            run = Run(0, len(line.text), PAIRS.name, line.text, bytes.fromhex(line.text))
         except ValueError:  # a heading
             return Contents([])
         return Contents([Piece(line, run, SHARED, None, continues=False)])

@@ -8,52 +8,31 @@ bytes, the direction mark in front of them. What a line does not state is carrie
 from __future__ import annotations
 
 import re
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import NamedTuple, Protocol
 
-from sistap.annotate import hexadecimal, marks
-from sistap.annotate.hexadecimal import Run
+from sistap.annotate import marks
 from sistap.annotate.marks import MASK, PORT, Marks
+from sistap.annotate.notations import NOTATIONS, PAIRS, Notation, Numbers, Run, plain
 from sistap.annotate.stamps import Stamp, Stamped, TimestampParser
 from sistap.annotate.textlog import LogLine
 from sistap.explain.fields import EXPLANATION
 
 # Lines that annotate or log added, after spaces, are never read.
 _EXPLANATION = re.compile(rf"\s*{re.escape(EXPLANATION)}")
-# In front of the bytes of a dump: "0010:", "12)", or a number without a mark that advances in steps of eight.
-_OFFSET = re.compile(r"(?:(?:0x)?[0-9A-Fa-f]{1,8} ?[:)](?=\s)|(0[0-9A-Fa-f]{3,7})(?=\s+[0-9A-Fa-f]{2}\b))")
-_LAST_OFFSET = re.compile(r"\s*[0-9A-Fa-f]{6,8}\s*$")
 _BRACKETS = "<[({"  # directly in front of bytes these are not marks
-_MASKED = re.compile(rf"\A.*{MASK}\w*")
-# In front of an offset, after the stamps: nothing, or a word such as "TX".
-_LEAD = re.compile(r"\s*(?:[\[(]?[A-Za-z]+[\])]?:?\s+)?")
+_WAY_BACK = re.compile(r"IRP_MJ_WRITE\W+UP\b")  # Windows' drivers pass a request down, then up with the same bytes
 _COLOUR = re.compile(r"\x1b\[[\d;]*[A-Za-z]")  # of a terminal
-_LABEL = re.compile(r"(?i)\b(?:hex|data|daten|payload|d?word|byte)\b")
-_COUNT = re.compile(r"[\[(]\d+[\])](?=:|\s+\w)|(?<=\w)\[\d+\](?!\s*\[)")
-_COUNT_IN_WORDS = re.compile(
-    r"(?i)\b(?:len|length|count|size|dlc)\b\s*[:=]?\s*\d+|\b\d+ ?(?:bytes?|characters?|chars?|zeichen)\b"
-)
-# Each of its words has one of these. They are quick to find, and hardly any line has one.
-_IN_COUNTS = ("len", "count", "ze", "dlc", "byte", "char")
-# What a line is set to: COM3: 9600,e,8,1 or 19200 8E1.
-_SETTINGS = re.compile(
-    rf"(?i)(?:(?:{PORT.pattern})[\s:,(]*)?(?<!\w)(?:[36]|12|24|48|96|144|192|288|384|576|1152|2304|4608|9216)00"
-    r"(?: ?(?:bd|baud|bps))?[\s,/-]{1,3}(?:[neoms][\s,/-]{0,2}[5-8]|[5-8][\s,/-]{0,2}[neoms])[\s,/-]{0,2}[12]"
-    r"(?:\.5)?(?!\w)"
-)
-# Where a Siemens control has data: %DB10.DBB 0, DW 5, MB12. A data block or an index in front of bytes.
-_TWO_BYTES = r"\s+[0-9A-Fa-f]{2}\s+[0-9A-Fa-f]{2}\b"
-_ADDRESS = re.compile(
-    r"(?<![\w.#$])(?:"
-    rf"%?(?:D[BIX] *\d{{1,5}}\.)?(?:DB[BDWX]|D[LRW]|[IMPQ][BDW])(?:\d{{1,5}}| +\d{{1,5}}(?!{_TWO_BYTES}))(?:\.\d)?"
-    rf"|DB\d{{1,5}}(?=:?{_TWO_BYTES})"
-    r"|\d+(?=\s+(?:0[xX]|\$|&[hH]|(?:\w+#)?16#))"
-    r")(?![\w.])"
-)
+# What may stand beside a mark in a line of its own: its name, and a count.
+_KEY = re.compile(r"\W*[A-Za-z]+\W*[:=]\W*")
+_REST = re.compile(rf"(?i){PORT.pattern}|\b(?:hex|data|daten)\b|\b\d+ ?(?:bytes?|characters?|chars?|zeichen)\b")
+_NUMBER = re.compile(rf"{MASK}+|[^\W{MASK}]*\d[^\W{MASK}]*|\s+")
 _TEXT = re.compile(r"<(?:STX|NUL|SOH|ETX|EOT|ENQ|ACK|BEL|BS|DLE|ESC|CR|LF)>", re.IGNORECASE)
+_BITS = re.compile(r"(?<!\w)[01]{8}(?:\s+[01]{8})+(?!\w)")
 _ODD = re.compile(r"(?<!\w)(?:[0-9A-Fa-f]{2}){8,}[0-9A-Fa-f](?!\w)")
 
 
@@ -88,6 +67,10 @@ class Contents(NamedTuple):
 class LogReader(Protocol):
     """Reads the lines of one log, in order."""
 
+    @property
+    def notation(self) -> str:
+        """Name how the bytes are written, for a message; nothing if it is usual or known."""
+
     def contents(self, line: LogLine) -> Contents:
         """Find what a line holds."""
 
@@ -107,29 +90,60 @@ class State:
         return Piece(line, run, self.direction, self.stamp, continues)
 
 
-class AnyReader:
-    """Reads lines of any form."""
+ANYWHERE = "*"  # is no place: the numbers of such a notation are all bytes
 
-    def __init__(self) -> None:
+
+class Choice(NamedTuple):
+    """How a log writes bytes, and where."""
+
+    notations: tuple[Notation, ...]
+    places: frozenset[tuple[str, str]] = frozenset()  # notation, and what stands in front of a few bytes
+    reads_few: bool = True  # a few bytes are read, too, if a line has nothing else
+    name: str = ""  # for a message, if it is not the usual one
+
+
+ANYTHING = Choice(tuple(notation for notation in NOTATIONS if notation.is_plain))
+
+
+class Prepared(NamedTuple):
+    """A line without what is certainly not data."""
+
+    line: LogLine
+    masked: str
+    stamps: list[Stamped]
+
+
+class ChosenReader:
+    """Reads the lines of a log whose notation is known."""
+
+    def __init__(self, choice: Choice) -> None:
+        """Read what this choice says."""
+        self.choice = choice
         self._timestamps = TimestampParser()
         self._marks = Marks()
         self._state = State()
-        self._dumped = False  # whether the line before belonged to a dump
-        self._style: tuple[str, ...] = ("",)  # style of the last bytes
+        # By notation: what stood in front of bytes.
+        self._places: defaultdict[str, set[str]] = defaultdict(set)
 
-    def contents(self, line: LogLine) -> Contents:
-        """Find the bytes of a line."""
+    def prepare(self, line: LogLine) -> Prepared | None:
+        """Mask the stamps of a line; None if it repeats what others say."""
         text = line.text
-        if is_explanation(text):
-            return Contents([])
+        if is_explanation(text) or ("IRP_MJ_" in text and _WAY_BACK.search(text)):
+            return None
         if "\x1b" in text:
             text = _COLOUR.sub(lambda match: " " * len(match[0]), text)
         stamps = self._timestamps.find(text)
-        masked = self._mask_offset(_mask_counts(_mask(text, stamps)), stamps)
-        if not hexadecimal.is_plain(masked):
-            masked = _mask_names(masked)
-        found = hexadecimal.runs(masked, self._style)
-        data = self._certain(masked, found)
+        return Prepared(line, _mask(text, stamps), stamps)
+
+    def contents(self, line: LogLine) -> Contents:
+        """Find the bytes of a line."""
+        prepared = self.prepare(line)
+        return self.read(prepared) if prepared else Contents([])
+
+    def read(self, prepared: Prepared) -> Contents:
+        """Find the bytes of a line."""
+        line, masked, stamps = prepared
+        data = self._data(masked)
         if not data:
             self._heading(masked, stamps)
             return Contents([], _trouble(masked))
@@ -146,55 +160,39 @@ class AnyReader:
                 state.direction = mark[0]
             pieces.append(state.piece(line, run))
             end = run.end
-        return Contents(pieces, _foreign(masked, found, data) if len(found) > 1 else "")
+        return Contents(pieces, _foreign(masked, data) if len(data) > 1 else "")
 
-    def _certain(self, masked: str, found: list[Run]) -> list[Run]:
-        """Return the runs that are certainly bytes: by themselves, or because the line has nothing else."""
-        certain = [run for run in found if run.certain]
-        if len(found) == 1:
-            data = certain or [
-                run for run in found if _is_clean(masked[: run.start]) and run.is_possible(self._style[0])
-            ]
-        elif certain:
-            data = self._alike(masked, found, certain)
-        else:
-            gaps = [*_gaps(masked, found)]
-            data = [run for run in found if run.is_possible(self._style[0])] if all(map(_is_clean, gaps)) else []
-        if data:
-            self._style = data[-1].style
-        return data
+    def _data(self, masked: str) -> list[Run]:
+        """Return the bytes of a line, which are all in one notation."""
+        notations = self.choice.notations
+        if PAIRS in notations and (run := plain(masked)) and PAIRS.is_wide(run, masked):
+            self._places[PAIRS.name].add(_place(masked[: run.start]))
+            return [run]
+        best: list[Run] = []
+        for notation in notations:
+            runs, end = notation.runs(masked)
+            data = self._among(masked, notation, runs, end) if runs else []
+            if sum(len(run.data) for run in data) > sum(len(run.data) for run in best):
+                best = data
+        return best
 
-    def _alike(self, masked: str, found: list[Run], certain: list[Run]) -> list[Run]:
-        """Return the runs in the style of this log's bytes. Numbers beside them are counters or names.
-
-        A few bytes need a mark in front of them, or a time in front and nothing behind.
-        """
-        before = [*_gaps(masked, found)]
-        behind = [*before[1:], masked[found[-1].end :]]
-        marked = {run for run, gap in zip(found, before, strict=True) if _is_marked(gap)}
-        timed = {
-            run
-            for run, gap, rest in zip(found, before, behind, strict=True)
-            if MASK in gap and not _has_words(gap) and not _has_words(rest)
-        }
-        style = max(certain, key=lambda run: (run.style == self._style, run in marked, len(run.data))).style
-        return [
-            run
-            for run in found
-            if run.style == style and (run.certain or (run in marked | timed and run.is_possible(style[0])))
-        ]
-
-    def _mask_offset(self, text: str, stamps: list[Stamped]) -> str:
-        """Mask the offset of a dump, also the one that ends it."""
-        match = _OFFSET.match(text, len(text) - len(text.lstrip()))
-        if not match and (lead := _LEAD.match(text, stamps[-1].end if stamps else 0)):
-            match = _OFFSET.match(text, lead.end())
-        if self._dumped and not match:
-            match = _LAST_OFFSET.match(text)
-        self._dumped = match is not None and not (match.lastindex and int(match[1], 16) % 8)
-        if not match or not self._dumped:
-            return text
-        return text[: match.start()] + MASK * (match.end() - match.start()) + text[match.end() :]
+    def _among(self, masked: str, notation: Notation, runs: list[Run], end: int) -> list[Run]:
+        """Return which of these are bytes: many side by side; a few where this log has bytes; or all of the line."""
+        chosen = {place for name, place in self.choice.places if name == notation.name}
+        if ANYWHERE in chosen:
+            return runs
+        wide = [notation.is_wide(run, masked) for run in runs]
+        known = self._places[notation.name]
+        if isinstance(notation, Numbers) and _has_letters(masked[runs[-1].end : end]):
+            known = set()  # words follow
+        elif isinstance(notation, Numbers) and self.choice.reads_few and not any(wide) and _is_alone(masked, runs):
+            return runs
+        if not any(wide) and not known and not chosen:
+            return []
+        places = [*places_of(masked, runs, wide)]
+        self._places[notation.name].update(place for place, is_wide in zip(places, wide, strict=True) if is_wide)
+        known = known | chosen
+        return [run for run, place, is_wide in zip(runs, places, wide, strict=True) if is_wide or place in known]
 
     def _heading(self, masked: str, stamps: list[Stamped]) -> None:
         """Keep the time and sender that a line without bytes states for the following lines."""
@@ -214,11 +212,17 @@ class AnyReader:
         if not mark:
             return None
         line, start, end = mark
-        if _has_letters(text[:start]):
+        if _has_letters(_KEY.sub("", text[:start], count=1)):
             return None
         is_word = text[start:end].isalnum() and text[start:end].isascii()
-        rest = marks.PORT.sub("", _LABEL.sub("", text[end:]))
+        rest = _REST.sub("", text[end:])
         return None if _has_words(rest) and (is_word or not shows) else line
+
+
+@lru_cache(1024)  # the texts in front of the bytes of a log repeat, once their stamps are masked
+def _place(before: str) -> str:
+    """Return what stands in front of bytes, without its numbers, times and marks."""
+    return _NUMBER.sub(lambda one: " " if one[0].isspace() or one[0][0] == MASK else "0", marks.without(before)).strip()
 
 
 def _mask(text: str, stamps: list[Stamped]) -> str:
@@ -230,28 +234,19 @@ def _mask(text: str, stamps: list[Stamped]) -> str:
     return "".join([*parts, text[end:]]) if parts else text
 
 
-def _mask_counts(text: str) -> str:
-    lower = text.lower()
-    if any(part in lower for part in _IN_COUNTS):
-        text = _COUNT_IN_WORDS.sub(_masked, text)
-    return _COUNT.sub(_masked, text)
+def places_of(masked: str, runs: list[Run], wide: list[bool]) -> Iterator[str]:
+    """Yield what stands in front of each run. Other numbers and bytes there are like any number."""
+    before, end = "", 0
+    for run, is_wide in zip(runs, wide, strict=True):
+        before += masked[end : run.start]
+        yield _place(before)
+        before, end = "0" if is_wide else f"{before}0", run.end
 
 
-def _mask_names(text: str) -> str:
-    """Mask settings of the line, and addresses in a control."""
-    return _ADDRESS.sub(_masked, _SETTINGS.sub(_masked, text))
-
-
-def _masked(match: re.Match[str]) -> str:
-    return MASK * len(match[0])
-
-
-def _gaps(text: str, found: list[Run]) -> Iterator[str]:
-    """Yield the text before and between runs."""
-    end = 0
-    for run in found:
-        yield text[end : run.start]
-        end = run.end
+def _is_alone(masked: str, runs: list[Run]) -> bool:
+    """Tell whether nothing but times and marks stands in front of bytes."""
+    ends = [0, *(run.end for run in runs)]
+    return not any(_has_words(_place(masked[end : run.start])) for end, run in zip(ends, runs, strict=False))
 
 
 def _has_words(text: str) -> bool:
@@ -262,35 +257,21 @@ def _has_letters(text: str) -> bool:
     return any(character.isalpha() and character.isascii() for character in text)
 
 
-def _is_marked(gap: str) -> bool:
-    """Tell whether a direction mark stands directly in front of bytes."""
-    gap = gap.rstrip(_BRACKETS)
-    mark = Marks().find(gap)
-    return mark is not None and not _has_words(_LABEL.sub("", gap[mark[2] :]))
-
-
-def _is_clean(gap: str) -> bool:
-    """Tell whether nothing but stamps, marks and labels stands in front of bytes."""
-    rest = _LABEL.sub("", _MASKED.sub("", gap, count=1))
-    return not _has_words(rest) or _is_marked(rest)
-
-
 def _trouble(masked: str) -> str:
     """Return why a line that should have bytes has none; empty if it need not have any."""
     if _TEXT.search(masked):
         return "characters are shown as text, which loses most of them: log in hexadecimal"
-    if hexadecimal.BITS.search(masked):
+    if _BITS.search(masked):
         return "bytes are shown as bits: log in hexadecimal"
     if odd := _ODD.search(masked):
         return f"an odd number of hexadecimal digits ({len(odd[0])})"
     return ""
 
 
-def _foreign(masked: str, found: list[Run], data: list[Run]) -> str:
+def _foreign(masked: str, data: list[Run]) -> str:
     """Name text between bytes that is not a byte."""
-    for before, after in zip(found, found[1:], strict=False):
+    for before, after in pairwise(data):
         gap = masked[before.end : after.start].strip()
-        is_short = re.fullmatch(r"\w{1,3}", gap) is not None
-        if is_short and before.style == after.style and (before in data or after in data):
+        if re.fullmatch(r"\w{1,3}", gap):
             return f"'{gap}' is not a byte"
     return ""

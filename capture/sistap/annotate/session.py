@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from sistap.annotate import marks
-from sistap.annotate.hexadecimal import Run
+from sistap.annotate.notations import Run
 from sistap.annotate.reading import Contents, State, is_explanation
 from sistap.annotate.stamps import TimestampParser
 from sistap.annotate.textlog import LogLine, lines
@@ -26,6 +26,8 @@ def is_session(beginning: bytes) -> bool:
 
 class SessionReader:
     """Reads the lines of a session."""
+
+    notation = ""
 
     def __init__(self) -> None:
         """Nothing has come yet."""

@@ -11,9 +11,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.annotate.raw import RawCutter, is_raw
-from sistap.annotate.session import is_session
-from sistap.annotate.textlog import UTF_16, Cutter, LineCutter, LogLine
+from sistap.annotate.choosing import LONGEST, AnyReader
+from sistap.annotate.raw import RawCutter, RawReader, is_raw
+from sistap.annotate.reading import LogReader
+from sistap.annotate.session import SessionReader, is_session
+from sistap.annotate.textlog import UTF_16, Cutter, LineCutter, LogLine, lines
 from sistap.common.packed import unpack
 from sistap.common.usbmon import is_usbmon
 from sistap.records.cut import ASCII, Cut
@@ -35,9 +37,13 @@ class Source(NamedTuple):
     """A log."""
 
     log: str
+    reader: LogReader  # of its lines
     is_pipe: bool = True
-    is_raw: bool = False
-    is_session: bool = False  # of the ASCII protocol, as a terminal program shows it
+
+    @property
+    def is_raw(self) -> bool:
+        """Whether the file has the bytes themselves."""
+        return isinstance(self.reader, RawReader)
 
     def lines(self, framing: Cut, progress: Callable[[float], None]) -> Iterator[list[LogLine]]:
         """Yield its lines in batches; call `progress` with the part of a file that has been read, 0 to 1."""
@@ -46,27 +52,29 @@ class Source(NamedTuple):
         return _from_file(self.log, RawCutter(framing) if self.is_raw else LineCutter(), progress)
 
 
-def look(log: str, framing: Cut | None) -> Source:
-    """Look at a log. Without `framing`, it is not raw. SourceError if it cannot be read."""
-    may_be_session = framing == ASCII
+def look(log: str, framing: Cut, reader: LogReader | None = None) -> Source:
+    """Look how a log is to be read, unless a `reader` is given. SourceError if it cannot be read."""
+    live = reader or (SessionReader() if framing == ASCII else AnyReader(framing=framing))
     if log == "-":
-        return Source(log, is_session=may_be_session)
+        return Source(log, live)
     try:
         mode = Path(log).stat().st_mode
         if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
-            return Source(log, is_session=may_be_session)  # opening it would wait for a writer
+            return Source(log, live)  # opening it would wait for a writer
         if packed := unpack(Path(log)):
             raise SourceError(packed)
         with open(log, "rb") as file:
-            beginning = file.read(_PIECE)
+            beginning = file.read(LONGEST)
     except OSError as error:
         raise SourceError(f"cannot read {log}: {error.strerror}; name a log, or - for standard input") from None
     if beginning.startswith(_CAPTURES):
         raise SourceError(f"{log} is a capture, not a log: `sistap log {log}` explains it")
-    if beginning.startswith(UTF_16) or framing is None or not is_raw(beginning, framing):
-        _check_text(log, beginning)
-        return Source(log, is_pipe=False, is_session=may_be_session and is_session(beginning))
-    return Source(log, is_pipe=False, is_raw=True)
+    if not reader and not beginning.startswith(UTF_16) and is_raw(beginning[:_PIECE], framing):
+        return Source(log, RawReader(), is_pipe=False)
+    _check_text(log, beginning)
+    if not reader and framing == ASCII and is_session(beginning):
+        reader = SessionReader()
+    return Source(log, reader or AnyReader(lines([beginning]), framing), is_pipe=False)
 
 
 def _check_text(log: str, beginning: bytes) -> None:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
 from sistap.annotate.cutting import LogRecord, Part, Pieces
-from sistap.annotate.hexadecimal import Run
+from sistap.annotate.notations import Run
 from sistap.annotate.reading import Piece
 from sistap.annotate.stamps import Stamp
 from sistap.annotate.textlog import LogLine

@@ -27,7 +27,7 @@ _DATE = (
 # A fraction after a comma or colon has three digits or more, or no byte can follow: "10:20:30,02 6C" may be bytes.
 _CLOCK = (
     r"(?P<hour>\d\d?):(?P<minute>\d\d):(?P<second>\d\d)(?:\.(?P<fraction>\d{1,9})|[,:](?P<thousandths>\d{3,9}|\d\d?(?=[;\])]|\s+[^\w\s]|\s+[G-Zg-z])))?"
-    r"(?:\s?(?P<half>[AaPp])\.?[Mm]\b\.?)?(?:\s?(?P<zone>Z|[+-]\d\d:?\d\d)(?!\w))?"
+    r"(?:\s?(?P<half>[AaPp])\.?[Mm]\b\.?(?:\.(?P<behind>\d{1,9}))?)?(?:\s?(?P<zone>Z|[+-]\d\d:?\d\d)(?!\w))?"
 )
 # Not inside other numbers, nor part of bytes that are joined with colons.
 _BEFORE, _AFTER = r"(?<![\d:.,/-])", r"(?!\d|[:.][0-9A-Fa-f])"
@@ -92,7 +92,7 @@ class TimestampParser:
             if not 1 <= hour <= 12:
                 return None
             hour = hour % 12 + (12 if half in "Pp" else 0)
-        fraction = match["fraction"] or match["thousandths"] or ""
+        fraction = match["fraction"] or match["thousandths"] or match["behind"] or ""
         minute = self._seconds_of((date or self._date, hour, int(match["minute"]), match["zone"]))
         if minute is None or second > 60:
             return None

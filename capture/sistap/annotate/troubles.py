@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reports lines that could not be read: the first ones individually, the others as a count."""
+"""Reports lines that could not be read: the first ones individually, the others as a count. None of them is news in a
+log that has no telegram at all.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +15,19 @@ class Troubles:
 
     def __init__(self, say: Callable[[str], None]) -> None:
         self._say = say
+        self._first: list[str] = []
         self._count = 0
 
     def add(self, number: int, why: str) -> None:
-        """Report a line."""
+        """Note a line."""
         self._count += 1
         if self._count <= _SHOWN:
-            self._say(f"line {number}: {why}")
+            self._first.append(f"line {number}: {why}")
 
     def end(self) -> None:
-        """Report how many more there were."""
+        """Report them."""
+        for text in self._first:
+            self._say(text)
         more = self._count - _SHOWN
         if more > 0:
             self._say(f"{more} more line{'' if more == 1 else 's'} could not be read")

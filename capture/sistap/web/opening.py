@@ -11,8 +11,6 @@ from sistap.annotate import annotating, sources
 from sistap.annotate.annotating import Passage
 from sistap.annotate.cutting import Part
 from sistap.annotate.pattern import PatternReader, TooSlow
-from sistap.annotate.raw import RawReader
-from sistap.annotate.reading import AnyReader
 from sistap.annotate.sources import SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
@@ -51,15 +49,16 @@ def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], 
     said: list[str] = []
     troubles = Troubles(said.append)
     try:
-        reader = PatternReader(pattern) if pattern else AnyReader()
-        source = sources.look(name, None if pattern else SIS)
-        passage = Passage(RawReader() if source.is_raw else reader, troubles.add)
+        source = sources.look(name, SIS, PatternReader(pattern) if pattern else None)
+        passage = Passage(source.reader, troubles.add)
         with Spool() as spool, Path(capture).open("wb") as file:
             batches = source.lines(SIS, lambda part: progress(part / 2))
             annotating.record(batches, passage, log.name, file.write, spool)
             if not passage.telegrams:
                 raise UsageError(_nothing(log, passage))
             troubles.end()
+            if source.reader.notation:
+                said.append(f"bytes: {source.reader.notation}")
             found = Log(said)
             for batch in spool.batches(lambda part: progress(0.5 + part / 2)):
                 for line, _, complete in batch:

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Chooses how a log writes bytes: by all of the log, not by a line.
+
+Notations, and the places where a few bytes stand, are chosen if they make telegrams with a right checksum: the one test
+that no text passes by chance. A log without such a telegram is read in all plain notations.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict, deque
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from sistap.annotate.cutting import RecordCutter
+from sistap.annotate.notations import NOTATIONS, PAIRS, Notation, Numbers
+from sistap.annotate.reading import ANYTHING, ANYWHERE, Choice, ChosenReader, Contents, Prepared, places_of
+from sistap.annotate.textlog import LogLine
+from sistap.records.cut import SIS, Cut
+from sistap.records.record import Framing, Type
+from sistap.sis.telegram import STATIC_LENGTH, checksum_good
+
+LONGEST = 1 << 20  # characters of a log by which it is chosen
+_LINES = 1000  # enough for a choice
+_PLACES = 8  # of a notation are tried: those with most bytes
+_JUDGED = (Framing.SIS, Framing.PROCEDURE_3964R)  # their frames have a checksum
+_BEGINNING = re.compile(rb"(?=\x02.(.)\1)", re.DOTALL)  # of a telegram: start, checksum, equal lengths
+
+
+class Score(NamedTuple):
+    """How good a choice is: bytes of right telegrams, and other bytes, which are negative."""
+
+    telegrams: int = 0
+    others: int = 0
+
+
+class AnyReader:
+    """Reads the lines of a log in the notation that is right for it."""
+
+    def __init__(self, sample: Iterable[LogLine] | None = None, framing: Cut = SIS) -> None:
+        """Choose by the beginning of a file. Without it, choose as the lines come, and again while nothing is found."""
+        self._framing = framing
+        self._kept: deque[LogLine] = deque(sample or ())
+        self._length = sum(len(line.text) for line in self._kept)
+        choice = choose(self._kept, framing)
+        self._reader = ChosenReader(choice or ANYTHING)
+        if sample is not None and not choice:
+            self._reader.choice = ANYTHING._replace(reads_few=_has_bytes(self._kept, framing))
+        self._is_open = sample is None or not choice
+        self._next = [2 * len(self._kept) or 1] * 2  # numbers of lines, and of those without bytes
+        self._came = [len(self._kept), 0]
+
+    @property
+    def notation(self) -> str:
+        """Name the notation if it is not the usual one."""
+        return self._reader.choice.name
+
+    def contents(self, line: LogLine) -> Contents:
+        """Find the bytes of a line."""
+        if self._is_open:
+            self._keep(line)
+            self._come(0)
+        contents = self._reader.contents(line)
+        if self._is_open and not contents.pieces and self._come(1):
+            contents = self._reader.contents(line)
+        return contents
+
+    def _keep(self, line: LogLine) -> None:
+        self._kept.append(line)
+        self._length += len(line.text)
+        while self._length > LONGEST and len(self._kept) > 1:
+            self._length -= len(self._kept.popleft().text)
+            self._is_open = self._reader.choice.notations == ANYTHING.notations
+
+    def _come(self, what: int) -> bool:
+        """Count a line; choose again, and tell whether it is another choice, after one line, two, four ..."""
+        self._came[what] += 1
+        if self._came[what] < self._next[what]:
+            return False
+        self._next[what] *= 2
+        choice = choose(self._kept, self._framing)
+        if not choice or choice == self._reader.choice:
+            return False
+        self._reader.choice = choice
+        return True
+
+
+def choose(lines: Iterable[LogLine], framing: Cut = SIS) -> Choice | None:
+    """Choose by these lines; None if nothing makes a telegram."""
+    if framing.framing not in _JUDGED:
+        return None
+    reader = ChosenReader(ANYTHING)
+    prepared = [one for line in lines if (one := reader.prepare(line))]
+    return next((choice for some in _windows(prepared) if (choice := _Chooser(some, framing).choose())), None)
+
+
+def _windows(prepared: list[Prepared]) -> Iterator[list[Prepared]]:
+    """Yield the beginning and the end: one is enough for a choice."""
+    yield prepared[:_LINES]
+    if len(prepared) > _LINES:
+        yield prepared[-_LINES:]
+
+
+def _has_bytes(lines: Iterable[LogLine], framing: Cut) -> bool:
+    """Tell whether a log without right telegrams has bytes at all: four side by side, or damaged frames."""
+    reader, cutter = ChosenReader(ANYTHING), RecordCutter(framing)
+    for line in lines:
+        for piece in reader.contents(line).pieces:
+            if len(piece.run.data) >= PAIRS.enough or any(cut.record.type == Type.FRAME for cut in cutter.feed(piece)):
+                return True
+    return any(cut.record.type == Type.FRAME for cut in cutter.end())
+
+
+_Candidate = tuple[Notation, str | None]  # a place where a few bytes stand, or none
+
+
+class _Chooser:
+    """Tries choices on a part of a log."""
+
+    def __init__(self, prepared: list[Prepared], framing: Cut) -> None:
+        self._prepared = prepared
+        self._framing = framing
+        self._is_all_read = False  # by the last choice that was tried
+
+    def choose(self) -> Choice | None:
+        """Return what makes most telegrams, with as little as possible; None if nothing makes any."""
+        score, best = self._tried(Choice((PAIRS,)))
+        if not score.telegrams or not self._is_all_read:
+            best = self._longer()
+        return best._replace(name=self._name(best)) if best.notations else None
+
+    def _longer(self) -> Choice:
+        """Try all notations and places; add to the best as long as that makes more telegrams."""
+        best, score = Choice(()), Score()
+        likely, unlikely = self._candidates()
+        candidates = likely
+        while True:
+            tried = [self._tried(_with(best, candidate)) for candidate in candidates]
+            better, choice = max(tried, key=lambda one: one[0], default=(score, best))
+            if better.telegrams <= score.telegrams:
+                return best
+            best, score = choice, better
+            candidates = likely + [one for one in unlikely if one[0] in best.notations or one[1] is None]
+
+    def _candidates(self) -> tuple[list[_Candidate], list[_Candidate]]:
+        """Return notations and places, those whose bytes have the beginning of a telegram apart."""
+        text = "\n".join(one.masked for one in self._prepared)
+        found: tuple[list[_Candidate], list[_Candidate]] = [], []
+        for notation in NOTATIONS:
+            at: defaultdict[str, bytearray] = defaultdict(bytearray)
+            everything = bytearray()
+            for one in self._prepared if notation.hint.search(text) else ():
+                runs, _ = notation.runs(one.masked)
+                wide = [notation.is_wide(run, one.masked) for run in runs]
+                for run, place in zip(runs, places_of(one.masked, runs, wide), strict=True):
+                    at[place] += run.data
+                    everything += run.data
+            most = sorted(at, key=lambda place: -len(at[place]))[:_PLACES]
+            for where, data in [(None, everything), *((place, at[place]) for place in most), (ANYWHERE, everything)]:
+                if data:
+                    found[not self._may_be(data)].append((notation, where))
+        return found
+
+    def _may_be(self, data: bytes) -> bool:
+        """Tell whether bytes have a right telegram, if that is quick to tell."""
+        ends = ((one.start(), one.start() + STATIC_LENGTH + one[1][0]) for one in _BEGINNING.finditer(data))
+        return self._framing != SIS or any(end <= len(data) and checksum_good(data[at:end]) for at, end in ends)
+
+    def _tried(self, choice: Choice) -> tuple[Score, Choice]:
+        """Return the score of a choice: nothing if it makes mostly other bytes."""
+        score = self._score(choice)
+        return (score if score.telegrams > -score.others else Score()), choice
+
+    def _score(self, choice: Choice) -> Score:
+        reader, cutter = ChosenReader(choice), RecordCutter(self._framing)
+        cuts = []
+        self._is_all_read = True
+        for one in self._prepared:
+            pieces = reader.read(one).pieces
+            self._is_all_read &= bool(pieces) or not any(map(str.isdigit, one.masked))
+            for piece in pieces:
+                cuts += cutter.feed(piece)
+        sizes = [0, 0]
+        for record, _ in cuts + cutter.end():
+            sizes[record.is_good_frame and not record.is_handshake] += len(record.data)
+        return Score(sizes[True], -sizes[False])
+
+    def _name(self, choice: Choice) -> str:
+        """Name the notations; nothing for hexadecimal numbers, as usual."""
+        names = []
+        for notation in choice.notations:
+            if isinstance(notation, Numbers) and notation.is_plain:
+                continue
+            runs = (run for one in self._prepared for run in notation.runs(one.masked)[0] if len(run.data) > 1)
+            wide = max(runs, key=lambda run: len(run.data), default=None)
+            names.append(notation.name + (notation.separated(wide) if wide else ""))
+        return "; ".join(names)
+
+
+def _with(choice: Choice, candidate: _Candidate) -> Choice:
+    """Add a notation, and a place."""
+    notation, where = candidate
+    notations = choice.notations if notation in choice.notations else (*choice.notations, notation)
+    return Choice(notations, choice.places | ({(notation.name, where)} if where is not None else set()))
