@@ -10,6 +10,7 @@ It has a room for each job. A room may use those named beside it, and what these
     records                 line, sis                  characters are cut into records, put in order, counted, shown
     files                   records                    pcapng files and rings of them, written
     capture                 files                      `sistap capture`
+    telegrams               records                    what telegrams say, as far as it is known without Wireshark
     draw                    nothing                    pages, and pictures as SVG
     common                  terminal                   output files, temporary files, programs that are started
     captures                files, common              captures that are there: read, several as one, in memory
@@ -52,6 +53,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from sistap.library import (
         Character,
+        Error,
         Event,
         Flag,
         Framing,
@@ -59,13 +61,17 @@ if TYPE_CHECKING:
         NotCaptured,
         OutputError,
         OutputRefused,
+        Packet,
         PortError,
         PortLost,
         Record,
         SourceError,
         Tap,
+        Telegram,
+        TsharkError,
         Type,
         Writer,
+        dissect,
         play,
         read,
     )
@@ -73,6 +79,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 __all__ = [
     "Character",
+    "Error",
     "Event",
     "Flag",
     "Framing",
@@ -80,13 +87,17 @@ __all__ = [
     "NotCaptured",
     "OutputError",
     "OutputRefused",
+    "Packet",
     "PortError",
     "PortLost",
     "Record",
     "SourceError",
     "Tap",
+    "Telegram",
+    "TsharkError",
     "Type",
     "Writer",
+    "dissect",
     "play",
     "read",
 ]
@@ -98,4 +109,4 @@ def __getattr__(name: str) -> object:
         from sistap import library
 
         return getattr(library, name)
-    raise AttributeError(f"module 'sistap' has no attribute '{name}'")
+    raise AttributeError(f"module 'sistap' has no attribute '{name}'; it has {', '.join(__all__)}")
