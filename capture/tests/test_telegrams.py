@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import sistap
 from sistap.line.settings import LineSettings
@@ -14,7 +16,7 @@ from sistap.packets.dissection import Packet, Telegram
 from sistap.records.record import Event, Framing, Record, Type
 from sistap.sis.telegram import build
 from sistap.telegrams.interpreter import Interpreter
-from sistap.telegrams.values import Attribute, value
+from sistap.telegrams.values import Attribute, Value, value
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 S36, S95 = bytes.fromhex("00 24 00"), bytes.fromhex("00 5F 00")
@@ -183,6 +185,32 @@ def test_a_damaged_telegram_may_have_been_a_command(bus: Bus) -> None:
 def test_a_file_of_a_later_version(bus: Bus) -> None:
     kept = Interpreter().take(record(b"news", Type.EVENT)._replace(event=Event(99)))
     assert kept.telegram is None and kept.event == 99
+
+
+@given(
+    st.lists(
+        st.builds(
+            build,
+            st.sampled_from([*range(0x20), 0x80, 0x8F, 0x90, 0x9F, 0xC0, 0xFF]),
+            st.sampled_from([3, 16]),
+            st.sampled_from([3, 16, 255]),
+            st.binary(max_size=20),
+            reaction=st.booleans(),
+            subaddresses=st.binary(max_size=2),
+            number=st.none() | st.integers(0, 255),
+        ),
+        max_size=6,
+    )
+)
+def test_telegrams_of_any_bytes(telegrams: list[bytes]) -> None:
+    bus = Bus()
+    for telegram in telegrams:
+        assert str(bus.say(telegram)).isprintable()
+
+
+@given(st.integers(0, 0xFFFFFFFF), st.binary(max_size=12))
+def test_values_of_any_bytes(attribute: int, data: bytes) -> None:
+    assert isinstance(value(Attribute(attribute), data), Value | None)
 
 
 @pytest.mark.parametrize(
