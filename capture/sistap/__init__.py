@@ -10,6 +10,7 @@ It has a room for each job. A room may use those named beside it, and what these
     records                 line, sis                  characters are cut into records, put in order, counted, shown
     files                   records                    pcapng files and rings of them, written
     capture                 files                      `sistap capture`
+    telegrams               records                    what telegrams say, as far as it is known without Wireshark
     draw                    nothing                    pages, and pictures as SVG
     common                  terminal                   output files, temporary files, programs that are started
     captures                files, common              captures that are there: read, several as one, in memory
@@ -53,6 +54,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from sistap.library import (
         Character,
+        Error,
         Event,
         Flag,
         Framing,
@@ -60,13 +62,17 @@ if TYPE_CHECKING:
         NotCaptured,
         OutputError,
         OutputRefused,
+        Packet,
         PortError,
         PortLost,
         Record,
         SourceError,
         Tap,
+        Telegram,
+        TsharkError,
         Type,
         Writer,
+        dissect,
         play,
         read,
     )
@@ -74,6 +80,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 __all__ = [
     "Character",
+    "Error",
     "Event",
     "Flag",
     "Framing",
@@ -81,13 +88,17 @@ __all__ = [
     "NotCaptured",
     "OutputError",
     "OutputRefused",
+    "Packet",
     "PortError",
     "PortLost",
     "Record",
     "SourceError",
     "Tap",
+    "Telegram",
+    "TsharkError",
     "Type",
     "Writer",
+    "dissect",
     "play",
     "read",
 ]
@@ -99,4 +110,4 @@ def __getattr__(name: str) -> object:
         from sistap import library
 
         return getattr(library, name)
-    raise AttributeError(f"module 'sistap' has no attribute '{name}'")
+    raise AttributeError(f"module 'sistap' has no attribute '{name}'; it has {', '.join(__all__)}")

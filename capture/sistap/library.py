@@ -1,49 +1,60 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""sistap as a library: records of a port, of a file or of the virtual bus, and a capture to write them to.
+"""sistap as a library: records and telegrams of a port, of a file or of the virtual bus, and a capture to write to.
 
     import sistap
 
     with sistap.Tap("/dev/ttyUSB0", baud=19200) as tap, sistap.Writer("night.pcapng") as capture:
         for record in tap:
             capture.write(record)
+            print(record.telegram)
 
 A `Record` is a telegram, other characters, or an event of the tap. `Record.characters()` has the time and the flags of
-each character. Times are ns since 1970. Nothing is ever written to a port.
+each character, `Record.telegram` what a telegram says. Times are ns since 1970. Nothing is ever written to a port. All
+errors are an `Error`, but a wrong argument is a TypeError or ValueError, and a missing file an OSError.
 """
 
 from __future__ import annotations
 
+import functools
+import importlib
+import inspect
 import logging
+import threading
+import time
 from collections import deque
-from collections.abc import Iterator
-from contextlib import ExitStack
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, ParamSpec, Self, TypeVar
 
-from sistap.annotate import sources
-from sistap.annotate.annotating import Passage
-from sistap.annotate.sources import SourceError
-from sistap.bus.scenarios import scenario
-from sistap.bus.scenarios.scenario import Playing
-from sistap.bus.wires.recording import Recording
-from sistap.capture.rate import AUTO, FORMATS
-from sistap.capture.session import Capture
-from sistap.capture.tap import Conditions
+from sistap.capture.options import CaptureOptions, checked, rate
+from sistap.capture.running import Ports, conditions
+from sistap.capture.session import READ_TIMEOUT_S, Capture
 from sistap.captures import reading
 from sistap.captures.reading import NotCaptured
 from sistap.captures.stream import Stream
 from sistap.files.output import Output, OutputError, OutputRefused
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, SECTION_HEADER, Interface
 from sistap.files.writer import PcapngWriter
-from sistap.line.reader import PortError, PortLost, open_reader
+from sistap.line.reader import PortError, PortLost
 from sistap.line.settings import Flag, LineSettings
 from sistap.records.counters import Counters
 from sistap.records.cut import SIS, Cut
-from sistap.records.record import Character, Event, Framing, Record, Type
+from sistap.records.record import Character, Event, Framing, Type
+from sistap.records.record import Record as BareRecord
+from sistap.sis.limits import milliseconds
 from sistap.sis.rates import RATES
+from sistap.telegrams.interpreter import Interpreter, Record, Telegram
+from sistap.terminal.exits import Error, UsageError
+
+if TYPE_CHECKING:
+    from sistap.annotate.sources import SourceError
+    from sistap.packets.dissection import Packet
+    from sistap.wireshark.tshark import TsharkError
 
 __all__ = [
     "Character",
+    "Error",
     "Event",
     "Flag",
     "Framing",
@@ -51,31 +62,80 @@ __all__ = [
     "NotCaptured",
     "OutputError",
     "OutputRefused",
+    "Packet",
     "PortError",
     "PortLost",
     "Record",
     "SourceError",
     "Tap",
+    "Telegram",
+    "TsharkError",
     "Type",
     "Writer",
+    "dissect",
     "play",
     "read",
 ]
 
+# Names of rooms that take long to load, and that few programs need.
+_LATE = {
+    "SourceError": "sistap.annotate.sources",
+    "Packet": "sistap.packets.dissection",
+    "TsharkError": "sistap.wireshark.tshark",
+}
 _LOG = logging.getLogger("sistap")
+_GZIP = b"\x1f\x8b"
 _PCAPNG = SECTION_HEADER.to_bytes(4)  # it reads the same from both ends
+_SHORTEST_S = 0.001  # of a read: in no time at all, a reader gives up looking where a line error belongs
+
+_Parameters = ParamSpec("_Parameters")
+_Result = TypeVar("_Result")
+
+
+def __getattr__(name: str) -> object:
+    if name in _LATE:
+        return getattr(importlib.import_module(_LATE[name]), name)
+    raise AttributeError(f"module 'sistap.library' has no attribute '{name}'")
+
+
+def _naming(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
+    """Make the TypeError of an unknown keyword name those that there are."""
+    parameters = inspect.signature(function).parameters.values()
+    names = [one.name for one in parameters if one.kind != one.VAR_POSITIONAL and one.name != "self"]
+    what = function.__qualname__.removesuffix(".__init__")
+
+    @functools.wraps(function)
+    def named(*arguments: _Parameters.args, **keywords: _Parameters.kwargs) -> _Result:
+        if unknown := [name for name in keywords if name not in names]:
+            raise TypeError(f"{what} has no {unknown[0]}=; it has {', '.join(f'{name}=' for name in names)}")
+        return function(*arguments, **keywords)
+
+    return named
+
+
+def _seconds(name: str, value: float | None) -> float | None:
+    if value is not None and not value >= 0:
+        raise ValueError(f"{name}={value!r} is neither None nor a number of seconds from 0 on")
+    return value
+
+
+def _limit(name: str, value: int | None) -> int | None:
+    try:
+        return None if value is None else milliseconds(str(value))
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
 
 
 class _Collector:
     """A sink that keeps records until they are taken."""
 
     def __init__(self) -> None:
-        self.records: deque[Record] = deque()
+        self.records: deque[BareRecord] = deque()
 
-    def begin(self, *started: Record) -> None:
+    def begin(self, *started: BareRecord) -> None:
         self.records.extend(started)
 
-    def write(self, record: Record) -> bool:
+    def write(self, record: BareRecord) -> bool:
         self.records.append(record)
         return True
 
@@ -103,37 +163,62 @@ class _Messages:
 
 
 class Tap:
-    """One port, or the two of a full-duplex line. Iterate over it for records, as they come."""
+    """One port, or the two of a full-duplex line. Iterate over it, or read(). Each record comes once.
 
+    It reads the port only then: the time of what waited is less exact, and the system keeps 4096 characters. One
+    thread reads; any thread, or a signal handler, may close() it.
+    """
+
+    timeout: float | None  # s, of a read() that is not told another
+
+    @_naming
     def __init__(  # noqa: PLR0913 - as `sistap capture`
         self,
         *ports: str,
         baud: int | str = RATES[0],
-        format: str = "8E1",  # noqa: A002 - the word of the command
+        format: str | None = None,  # noqa: A002 - the word of the command
         framing: str = "sis",
-        limits: str = "",
+        follow_baud: bool = False,
+        tza_ms: int | None = None,
+        trs_ms: int | None = None,
+        timeout: float | None = None,
         duration_s: float | None = None,
     ) -> None:
         """Open one or two ports: a device, "bus://HOST:PORT", or "sigrok:DRIVER". PortError says what to do.
 
-        `baud` may be "auto"; `framing` is sis, 3964r or silence:MS; `limits` as for --limits. ValueError for others.
+        The keywords are options of `sistap capture`, and a ValueError speaks of these: `baud` in Bd, or "auto";
+        `format` as "8E1"; `framing` as sis, 3964r, ascii or silence:MS; the limits `tza_ms` and `trs_ms` of the bus.
+        `timeout`: s that a read() waits; None: until something comes. After `duration_s` it ends by itself.
         """
         if len(ports) not in {1, 2}:
             raise ValueError(f"a tap has one port, or the two of a full-duplex line, not {len(ports)}")
-        settings = LineSettings.parse(RATES[0] if baud == AUTO else int(baud), format)
-        numbers = [0] if len(ports) == 1 else range(1, len(ports) + 1)
-        conditions = Conditions(
-            Cut.parse(framing), duration_s=duration_s, formats=FORMATS if baud == AUTO else (), limits=limits
+        self.timeout = _seconds("timeout", timeout)
+        options = CaptureOptions(
+            ports,
+            baud=rate(str(baud)),
+            format=format,
+            follow_baud=follow_baud,
+            framing=Cut.parse(framing),
+            tza_ms=_limit("tza_ms", tza_ms),
+            trs_ms=_limit("trs_ms", trs_ms),
+            autostop={} if duration_s is None else {"duration": _seconds("duration_s", duration_s) or 0.0},
         )
-        self._opened = ExitStack()
+        try:
+            plan = checked(options)
+        except UsageError as error:
+            raise ValueError(str(error)) from None
+        self._sink, self._messages, self._interpreter = _Collector(), _Messages(), Interpreter()
+        self._lock = threading.RLock()  # of whoever uses the capture
+        self._holder = 0  # that thread
+        self._is_closed = self._has_ended = False  # by close(); or by itself, and then records may wait to be read
         with ExitStack() as opened:
-            readers = []
-            for line, port in zip(numbers, ports, strict=True):
-                readers.append(open_reader(port, settings, line))
-                opened.callback(readers[-1].close)
+            readers = opened.enter_context(closing(Ports(options))).open(plan.settings, self._messages.say)
+            self._capture = Capture(
+                readers, self._sink, Stream(), Counters(), self._messages, conditions(options, plan.only)
+            )
+            self._capture.begin()
+            opened.enter_context(self._capture.reading())
             self._opened = opened.pop_all()
-        self._sink, self._messages = _Collector(), _Messages()
-        self._capture = Capture(readers, self._sink, Stream(), Counters(), self._messages, conditions)
 
     def __enter__(self) -> Self:
         return self
@@ -141,30 +226,82 @@ class Tap:
     def __exit__(self, *reason: object) -> None:
         self.close()
 
+    @property
+    def is_open(self) -> bool:
+        """Tell whether records may still come: nobody has closed it, and it has not ended and been read to its end."""
+        return not self._is_closed
+
     def close(self) -> None:
-        """Close the ports."""
-        self._opened.close()
+        """Close the ports; again, do nothing. A read() or loop of another thread ends within 0.1 s."""
+        self._is_closed = True
+        if self._holder != threading.get_ident():  # a signal handler: then the read that it interrupts ends
+            self._look(0.0)
+
+    def read(self, timeout: float | None = None) -> Record | None:
+        """Return the next record; None if none came in `timeout` s (by default self.timeout), or the tap has ended.
+
+        PortLost if the port has gone, PortError if the tap was closed before.
+        """
+        if self._is_closed and not self._sink.records:
+            raise PortError("the tap is closed: open a new one, or ask is_open before read()")
+        return self._next(self.timeout if timeout is None else _seconds("timeout", timeout))
 
     def __iter__(self) -> Iterator[Record]:
-        """Yield records until the time is over, or the ports are gone: then PortLost."""
-        capture, records = self._capture, self._sink.records
-        capture.begin()
-        with capture.reading():
-            while not capture.is_over:
-                capture.turn()
-                while records:
-                    yield records.popleft()
-        capture.end()
-        yield from records
-        if self._messages.alarms:
-            raise PortLost(self._messages.alarms)
+        """Yield records until the tap is closed or its time is over. PortLost if the port has gone."""
+        while record := self._next(None):
+            yield record
+
+    def _next(self, timeout_s: float | None) -> Record | None:
+        end_s = None if timeout_s is None else time.monotonic() + timeout_s
+        while True:
+            left_s = READ_TIMEOUT_S if end_s is None else end_s - time.monotonic()
+            has_come = self._look(left_s)
+            if record := self._taken():
+                return record
+            if self._has_ended or (left_s <= 0 and not has_come):
+                return None
+
+    def _look(self, most_s: float) -> bool:
+        """Read for so long at most, if nothing waits; tell whether anything came."""
+        has_come = False
+        with self._lock, self._held():
+            if not (self._has_ended or self._is_closed or self._sink.records):
+                has_come = self._capture.turn(min(max(most_s, _SHORTEST_S), READ_TIMEOUT_S))
+            if not self._has_ended and (self._is_closed or self._capture.is_over):
+                self._has_ended = True
+                self._capture.end()
+                self._opened.close()
+        return has_come
+
+    @contextmanager
+    def _held(self) -> Iterator[None]:
+        self._holder = threading.get_ident()
+        try:
+            yield
+        finally:
+            self._holder = 0
+
+    def _taken(self) -> Record | None:
+        """Take the next record that waits. After the last one, PortLost if a port has gone, once."""
+        if self._sink.records:
+            return self._interpreter.take(self._sink.records.popleft())
+        if self._has_ended:
+            self._is_closed = True
+            lost, self._messages.alarms = self._messages.alarms, ""
+            if lost:
+                raise PortLost(lost)
+        return None
 
 
 class Writer:
     """A capture that Wireshark opens."""
 
+    @_naming
     def __init__(self, path: str | Path, *, description: str = "sistap", force: bool = False) -> None:
-        """Begin a file. OutputRefused if it cannot be written, or has data and `force` is not set."""
+        """Begin a file. OutputRefused if it cannot be written, or has data and `force` is not set.
+
+        `description` is what Wireshark calls the interface.
+        """
         try:
             self._output = Output(str(path), force=force)
         except OutputRefused as refused:
@@ -174,6 +311,7 @@ class Writer:
         self._writer = PcapngWriter(self._output, {0: interface}, self._counters)
         self._writer.begin()
         self._end_ns = 0
+        self._is_open = True
 
     def __enter__(self) -> Self:
         return self
@@ -181,28 +319,37 @@ class Writer:
     def __exit__(self, *reason: object) -> None:
         self.close()
 
-    def write(self, record: Record) -> None:
+    def write(self, record: BareRecord) -> None:
         """Write a record at once: a file that ends here is whole. OutputError if the disk takes no more."""
+        if not self._is_open:
+            raise OutputError("the file is closed: open another Writer")
         self._writer.write(record)
         self._counters.add_record(record)
         self._end_ns = record.end_ns
 
     def close(self) -> None:
-        """End the file."""
-        self._writer.end(self._end_ns)
-        self._output.close()
+        """End the file; again, do nothing."""
+        if self._is_open:
+            self._is_open = False
+            self._writer.end(self._end_ns)
+            self._output.close()
 
 
 def read(path: str | Path) -> Iterator[Record]:
-    """Yield the records of a capture, or the telegrams of a log of another program.
+    """Yield the records of a capture of sistap, or the telegrams of a log of another program.
 
     NotCaptured or SourceError says what is wrong with the file, OSError that it cannot be read.
     """
     with Path(path).open("rb") as file:
-        is_capture = file.read(len(_PCAPNG)) == _PCAPNG
-    if is_capture:
-        yield from reading.records(Path(path))
-        return
+        begin = file.read(len(_PCAPNG))
+    is_capture = begin == _PCAPNG or (begin.startswith(_GZIP) and str(path).endswith(".pcapng.gz"))
+    yield from map(Interpreter().take, reading.records(Path(path)) if is_capture else _of_log(path))
+
+
+def _of_log(path: str | Path) -> Iterator[BareRecord]:
+    from sistap.annotate import sources
+    from sistap.annotate.annotating import Passage
+
     source = sources.look(str(path), SIS)
     passage = Passage(source.reader)
     for batch in source.lines(SIS, lambda _: None):
@@ -211,23 +358,64 @@ def read(path: str | Path) -> Iterator[Record]:
     yield from (cut.record for cut in passage.end())
 
 
-class _Played(Recording):
-    """What a tap of the virtual bus writes, as records."""
+def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator[Packet]:
+    """Yield the packets of a capture, of any that tshark reads, as Wireshark's dissector sees them. Times in s.
 
-    records: deque[Record]
+    `Packet` is what `sistap report` uses; `packet.columns` has the text of these fields of Wireshark, too. Of records,
+    all are taken first: a Tap needs a duration_s. It runs the installed tshark: TsharkError if it cannot. NotCaptured
+    if it is no capture, OSError if it cannot be read. A file that is cut off ends early; the logger `sistap` says so.
+    """
+    from sistap.captures.portions import TOGETHER, in_turn
+    from sistap.common import temporary
+    from sistap.packets.dissection import FIELDS, Dissection
+    from sistap.wireshark.rows import NotACapture
+    from sistap.wireshark.tshark import Tshark
 
-    def _write(self, record: Record) -> None:
-        self.records.append(record)
+    with ExitStack() as stack:
+        if isinstance(source, str | Path):
+            path = Path(source)
+            path.open("rb").close()
+        else:
+            path = stack.enter_context(temporary.folder()) / "records.pcapng"
+            with Writer(path) as capture:
+                for record in source:
+                    capture.write(record)
+        captures = stack.enter_context(closing(in_turn([path], TOGETHER, _LOG.warning)))
+        more = [field for field in fields if field not in FIELDS]
+        dissection = Dissection(stack.enter_context(Tshark()), captures, more, keeps=False)
+        try:
+            for packet in stack.enter_context(dissection).packets():
+                if unknown := [field for field in more if field in dissection.missing]:
+                    raise ValueError(f"tshark knows no field {unknown[0]}")
+                yield packet
+        except NotACapture as error:
+            raise NotCaptured(str(error)) from None
+        if dissection.warning:
+            _LOG.warning(dissection.warning)
 
 
+@_naming
 def play(name: str, *, seed: int = 1, duration_s: float) -> Iterator[Record]:
     """Yield what a tap records of a scenario (`sistap bus --list`, or FILE.toml). ValueError for an unknown one."""
+    from sistap.bus.scenarios import scenario
+    from sistap.bus.scenarios.scenario import Playing
+    from sistap.bus.wires.recording import Recording
+
+    records: deque[BareRecord] = deque()
+
+    class Played(Recording):
+        """What a tap of the virtual bus writes, as records."""
+
+        def _write(self, record: BareRecord) -> None:
+            records.append(record)
+
     played = scenario.load(name)
-    tap = _Played(Stream(), played.settings, f"scenario {name}, seed {seed}", seed, 1, played.cut, played.lines)
-    tap.records = deque(tap.started)
+    tap = Played(Stream(), played.settings, f"scenario {name}, seed {seed}", seed, 1, played.cut, played.lines)
+    records.extend(tap.started)
+    interpreter = Interpreter()
     for sent in played.play(played.settings, Playing(seed, end_ns=duration_s * 1e9)):
         tap.deliver(sent)
-        while tap.records:
-            yield tap.records.popleft()
+        while records:
+            yield interpreter.take(records.popleft())
     tap.close()
-    yield from tap.records
+    yield from map(interpreter.take, records)

@@ -15,7 +15,7 @@ from commands import refused, run
 from portable import fifos
 
 from sistap.parameters.backup import Damaged, drives
-from sistap.parameters.values import Attribute, decoded, encoded, same
+from sistap.telegrams.values import Attribute, decoded, encoded, same
 
 PAR = Path(__file__).parent / "drive.par"
 CAPTURE = PAR.parents[2] / "test-captures" / "accesses.pcapng"

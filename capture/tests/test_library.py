@@ -3,15 +3,20 @@
 
 from __future__ import annotations
 
-import contextlib
+import csv
+import gzip
+import inspect
+import json
 import os
 import re
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from portable import NO_TSHARK, terminals
 
 import sistap
 from sistap import cli, library
@@ -59,7 +64,7 @@ def test_a_log(tmp_path: Path) -> None:
     assert [record.data for record in sistap.read(log)] == [READ, ANSWER]
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="pseudo terminals")
+@terminals
 def test_a_port() -> None:
     """Records come while the port is open; when it is gone, PortLost says so."""
     master, slave = os.openpty()
@@ -79,18 +84,114 @@ def test_a_port() -> None:
     assert found == [READ, ANSWER]
 
 
+# -- The documents -----------------------------------------------------------------------------------------------------
+
+ATTRIBUTES = bytes.fromhex("1C 05 00 24 00"), bytes.fromhex("00 1C 05 01 00 22 04")  # S-0-0036: four decimal places
+TEXT = bytes.fromhex("00 3C 05 04 00 3C 00")  # of S-0-0095, four letters
+TRAFFIC = [
+    build(0x10, 16, 3, ATTRIBUTES[0]),
+    build(0x10, 16, 3, ATTRIBUTES[1], reaction=True),
+    build(0x1F, 16, 3, bytes.fromhex("3C 05 00 24 00 80 96 98 00")),
+    build(0x1F, 16, 3, bytes.fromhex("00 3C 05"), reaction=True),
+    build(0x10, 16, 3, bytes.fromhex("3C 05 00 5F 00")),
+    build(0x10, 16, 3, TEXT + b"F228", reaction=True),
+    build(0x10, 17, 3, bytes.fromhex("3C 05 00 5F 00")),
+    build(0x10, 17, 3, TEXT + b"F228", reaction=True),
+    build(0x10, 17, 3, bytes.fromhex("3C 05 00 5F 00")),
+    build(0x10, 17, 3, TEXT + b"A101", reaction=True),
+]
+
+
+def programs(page: str) -> list[str]:
+    text = (CAPTURE / page).read_text("utf-8")
+    return [part.split("```")[0] for part in text.split("```python\n")[1:]]
+
+
+@pytest.fixture
+def line(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Replace the port of a program's Tap by one with the traffic, which is closed when that is over."""
+    master, slave = os.openpty()
+    tap = sistap.Tap(os.ttyname(slave), baud=19200)
+
+    class Ending:
+        def __enter__(self) -> Iterator[sistap.Record]:
+            for record in tap:
+                if record.event == sistap.Event.CAPTURE_STARTED:
+                    os.write(master, b"".join(TRAFFIC))
+                if record.data == TRAFFIC[-1]:
+                    tap.close()
+                yield record
+
+        def __exit__(self, *reason: object) -> None:
+            tap.close()
+
+    monkeypatch.setattr(sistap, "Tap", lambda *_, **__: Ending(), raising=False)
+    yield
+    tap.close()
+    os.close(slave)
+    os.close(master)
+
+
+@pytest.fixture
+def day(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[sistap.Record]:
+    """Go to a folder with the capture of the demo bus that the programs read."""
+    records = list(sistap.play("demo", duration_s=10))
+    with sistap.Writer(tmp_path / "day.pcapng") as writer:
+        for record in records:
+            writer.write(record)
+    monkeypatch.chdir(tmp_path)
+    return records
+
+
+WRITTEN = "16 -> 3  Command  Write parameter S-0-0036 (Velocity command value) = 1000.0"
+
+
+@terminals
 @pytest.mark.parametrize("page", ["docs/library.md", "README.md"])
-def test_the_program_in_the_documents(
-    page: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_the_program_that_prints_every_write(
+    page: str, line: None, day: list[sistap.Record], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """It prints every error of a bus that has parity errors."""
-    text = (Path(sistap.__file__).parent.parent / page).read_text("utf-8")
-    program = text.split("```python\n")[1].split("```")[0]
-    records = list(sistap.play("noise", duration_s=20))
-    errors = sum(bool(flags & sistap.Flag.CHARACTER_ERROR) for record in records for flags in record.flags)
-    monkeypatch.setattr(sistap, "Tap", lambda *_, **__: contextlib.nullcontext(records), raising=False)
-    exec(program, {})  # noqa: S102
-    assert len(capsys.readouterr().out.splitlines()) == errors > 0
+    """Of the file, then of the port. The line below the program is one that it prints."""
+    exec(programs(page)[0], {})
+    written = capsys.readouterr().out.splitlines()
+    of_file = [record for record in day if record.telegram and record.telegram.service == 0x1F]
+    assert len(written) == sum(not record.telegram.is_reaction for record in of_file if record.telegram) + 1
+    assert written[-1] == WRITTEN
+    shown = (CAPTURE / page).read_text("utf-8").split("```")[2].strip().splitlines()
+    assert 0 < len(shown[:2]) == sum(line.strip() in written for line in shown[:2])
+
+
+def test_the_program_that_dissects(day: list[sistap.Record], capsys: pytest.CaptureFixture[str]) -> None:
+    exec(programs("docs/library.md")[1], {})
+    printed = [line.split(" ", 2)[1] for line in capsys.readouterr().out.splitlines()]
+    said = [one.telegram for one in day if one.telegram and one.telegram.is_reaction]
+    assert printed == [one.parameter for one in said if one.parameter and one.element == "value"]
+
+
+@terminals
+def test_the_web_hook(line: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second master reads the same diagnosis: the hook is called once."""
+    called = []
+    monkeypatch.setattr("urllib.request.urlopen", lambda url, body, timeout: called.append(json.loads(body)))
+    exec(programs("docs/library.md")[2], {})
+    assert called == [{"drive": "3", "diagnosis": "F228"}]
+
+
+def test_the_table_of_values(day: list[sistap.Record], capsys: pytest.CaptureFixture[str]) -> None:
+    exec(programs("docs/library.md")[3], {})
+    rows = list(csv.reader(capsys.readouterr().out.splitlines()))
+    asked = [one.telegram for one in day if one.telegram and one.telegram.parameter == "S-0-0040"]
+    assert len(rows) == sum(one.is_reaction and one.element == "value" for one in asked) > 3
+    assert {(row[1], row[3]) for row in rows} == {("3", "rpm"), ("4", "rpm")}
+
+
+@terminals
+def test_the_watch_for_a_second_master(line: None, capsys: pytest.CaptureFixture[str]) -> None:
+    exec(programs("docs/library.md")[4], {})
+    assert capsys.readouterr().out == "another master: 17\n"
+
+
+# -- Errors ------------------------------------------------------------------------------------------------------------
 
 
 def test_a_port_that_is_not_there() -> None:
@@ -120,9 +221,121 @@ def test_what_is_no_capture_and_no_log(tmp_path: Path) -> None:
         list(sistap.read(tmp_path / "picture.log"))
 
 
+def test_every_error_is_an_error() -> None:
+    """Their texts are for people: one line, with the cure. NotCaptured was a ValueError before."""
+    errors = [getattr(sistap, name) for name in sistap.__all__]
+    errors = [one for one in errors if inspect.isclass(one) and issubclass(one, Exception)]
+    assert len(errors) == 8
+    assert all(issubclass(one, sistap.Error) for one in errors)
+    assert issubclass(sistap.NotCaptured, ValueError)
+
+
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    for function in (sistap.read, sistap.dissect):
+        with pytest.raises(FileNotFoundError):
+            next(function(tmp_path / "missing.pcapng"))
+
+
+def test_a_writer_is_closed_once(tmp_path: Path) -> None:
+    records = list(sistap.play("demo", duration_s=1))
+    with sistap.Writer(tmp_path / "day.pcapng") as writer:
+        writer.write(records[0])
+        writer.close()
+    writer.close()
+    with pytest.raises(sistap.OutputError, match="the file is closed: open another Writer"):
+        writer.write(records[0])
+    assert len(list(sistap.read(tmp_path / "day.pcapng"))) == 1
+
+
+def test_a_compressed_capture(tmp_path: Path, day: list[sistap.Record]) -> None:
+    """As a recorder leaves it."""
+    packed = tmp_path / "day.pcapng.gz"
+    packed.write_bytes(gzip.compress((tmp_path / "day.pcapng").read_bytes()))
+    assert list(sistap.read(packed)) == list(sistap.read(tmp_path / "day.pcapng"))
+
+
+# -- Wireshark ---------------------------------------------------------------------------------------------------------
+
+
+def test_dissect_a_file_and_records(day: list[sistap.Record]) -> None:
+    """Fields of one's own beside those that it has; the same of both."""
+    said = [
+        [(packet.number, packet.columns["sis.parameter"], packet.columns["frame.len"]) for packet in packets]
+        for packets in (
+            sistap.dissect("day.pcapng", "frame.len", "sis.parameter"),
+            sistap.dissect(iter(day), "frame.len", "sis.parameter"),
+        )
+    ]
+    assert said[0] == said[1]
+    assert len(said[0]) == len(day)
+    assert "S-0-0036" in {parameter for _, parameter, _ in said[0]}
+    packets = list(sistap.dissect("day.pcapng", "sis.parameter"))
+    assert isinstance(packets[0], sistap.Packet)
+    assert any(packet.accesses for packet in packets)
+
+
+def test_dissect_is_left_early(day: list[sistap.Record]) -> None:
+    packets = sistap.dissect("day.pcapng")
+    assert next(packets).number == 1
+    packets.close()  # type: ignore[attr-defined]
+
+
+def test_dissect_what_it_cannot(tmp_path: Path, day: list[sistap.Record], monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ValueError, match="tshark knows no field sis.speed"):
+        next(sistap.dissect("day.pcapng", "sis.speed"))
+    (tmp_path / "night.log").write_text(READ.hex(" "))
+    with pytest.raises(sistap.NotCaptured, match=r"night\.log is not a capture .* `sistap annotate"):
+        next(sistap.dissect("night.log"))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(sistap.TsharkError, match=NO_TSHARK[0]):
+        next(sistap.dissect("day.pcapng"))
+
+
+def test_a_capture_that_is_cut_off(day: list[sistap.Record], caplog: pytest.LogCaptureFixture) -> None:
+    """What is there comes; the logger says that it is not all."""
+    cut = Path("day.pcapng").read_bytes()[:-200]
+    Path("cut.pcapng").write_bytes(cut)
+    assert 0 < len(list(sistap.dissect("cut.pcapng"))) < len(day)
+    assert "cut short" in caplog.text
+
+
+# -- Names -------------------------------------------------------------------------------------------------------------
+
+
 def test_the_command_starts_without_it() -> None:
     code = "import sistap, sys; sys.exit('sistap.library' in sys.modules or not sistap.read)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_it_loads_what_is_used() -> None:
+    """A tap needs no log, no virtual bus and no tshark."""
+    code = """
+import sistap, sys
+sistap.Tap, sistap.Record, sistap.Telegram, sistap.Error, sistap.PortLost, sistap.read, sistap.dissect
+print(*sorted({name.split(".")[1] for name in sys.modules if name.startswith("sistap.")}))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    rooms = {"capture", "captures", "files", "library", "line", "records", "sis", "telegrams", "terminal"}
+    assert set(done.stdout.split()) == rooms
+
+
+def test_it_can_be_imported_where_there_are_no_terminals(day: list[sistap.Record]) -> None:
+    """As on Windows."""
+    code = """
+import sys
+sys.modules["termios"] = sys.modules["tty"] = sys.modules["pty"] = None
+import sistap
+print(len([getattr(sistap, name) for name in sistap.__all__]), len(list(sistap.read("day.pcapng"))))
+"""
+    environment = {**os.environ, "PYTHONPATH": str(CAPTURE)}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout.split() == [str(len(sistap.__all__)), str(len(day))]
+
+
+def test_its_types_are_told() -> None:
+    """To programs that mypy checks."""
+    assert (Path(sistap.__file__).parent / "py.typed").exists()
+    assert '"py.typed"' in (CAPTURE / "pyproject.toml").read_text("utf-8")
 
 
 def test_the_names_that_stay_the_same() -> None:
@@ -133,5 +346,5 @@ def test_the_names_that_stay_the_same() -> None:
 
 
 def test_an_unknown_name() -> None:
-    with pytest.raises(AttributeError, match="'sistap' has no attribute 'record'"):
+    with pytest.raises(AttributeError, match="'sistap' has no attribute 'record'; it has Character, Error,"):
         sistap.record  # noqa: B018

@@ -27,13 +27,14 @@ from sistap.imports import ch340, ftdi, usbmon
 from sistap.imports.usb_kinds import KINDS
 from sistap.imports.usb_transfers import Setup
 from sistap.line.settings import Happening, LineSettings, Notice, Read
-from sistap.parameters import backup, values
+from sistap.parameters import backup
 from sistap.records import record
 from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.records.record import Record, Type
 from sistap.sis import telegram
 from sistap.sis.initialization import Follow
 from sistap.sis.told import Told
+from sistap.telegrams import values
 from sistap.terminal.exits import UsageError
 from sistap.wire import protocol
 from sistap.wire.protocol import Decoder, Hello, Kind

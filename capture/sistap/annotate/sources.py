@@ -20,6 +20,7 @@ from sistap.common.packed import unpack
 from sistap.common.usbmon import is_usbmon
 from sistap.records.cut import ASCII, Cut
 from sistap.terminal.advice import shell_word
+from sistap.terminal.exits import Error
 
 _PIECE = 1 << 18
 _AHEAD = 16  # pieces of a pipe that may wait: its writer can be faster than they are explained
@@ -29,7 +30,7 @@ _NULS = 10  # one byte in this many may be 0: some programs write what they rece
 _CAPTURES = tuple(map(bytes.fromhex, ("0a0d0d0a", "d4c3b2a1", "a1b2c3d4", "4d3cb2a1", "a1b23c4d")))
 
 
-class SourceError(Exception):
+class SourceError(Error):
     """The log cannot be read; the text is the line to show."""
 
 

@@ -151,7 +151,7 @@ def record(  # noqa: PLR0913 - it puts the parts together
             output,
             counters,
             console,
-            _conditions(options, plan.only),
+            conditions(options, plan.only),
             quiet=options.quiet,
             progress=bool(options.file) and not options.quiet and console.shows_progress,
             remote=remote,
@@ -164,7 +164,8 @@ def record(  # noqa: PLR0913 - it puts the parts together
     return code
 
 
-def _conditions(options: CaptureOptions, only: Filter | None) -> Conditions:
+def conditions(options: CaptureOptions, only: Filter | None) -> Conditions:
+    """Return what a capture with these options accepts, and when it ends."""
     duration_s = options.autostop.get("duration")
     return Conditions(
         options.framing, only, options.count, duration_s, options.formats, options.follow_baud, options.limits_told

@@ -160,9 +160,9 @@ class Capture:
             or (duration_s is not None and self._clock_ns() >= self._started_ns + duration_s * 1e9)
         )
 
-    def turn(self) -> bool:
-        """Take one read, or act on the time while nothing comes; tell whether anything came."""
-        read = self._read(self._timeout_s())
+    def turn(self, most_s: float = READ_TIMEOUT_S) -> bool:
+        """Take one read, or act on the time while nothing comes for so long; tell whether anything came."""
+        read = self._read(min(self._timeout_s(), most_s))
         now = self._clock_ns()
         if read is not None:
             self._take(read, now)

@@ -13,6 +13,7 @@ from typing import BinaryIO, NamedTuple, cast
 from sistap.files import pcapng
 from sistap.records import record
 from sistap.records.record import Record
+from sistap.terminal.exits import Error
 
 _MAGIC = 0x1A2B3C4D
 _LARGEST = 1 << 24  # bytes of a block; Wireshark's limit for packets is far smaller
@@ -25,7 +26,7 @@ _PACKED = b"\x1f\x8b"  # gzip
 _CURE = "open and save it in Wireshark"
 
 
-class NotCaptured(ValueError):
+class NotCaptured(Error, ValueError):
     """The file cannot be read as a capture; the text is one line with the cure."""
 
 

@@ -18,9 +18,10 @@ from pathlib import Path
 from typing import BinaryIO
 
 from sistap.terminal.console import STANDARD_OUTPUT, is_reader_gone, leave_standard_output
+from sistap.terminal.exits import Error
 from sistap.terminal.state import HeldOpenError, closed
 from sistap.terminal.stop import held
-from sistap.terminal.writing import WINDOWS_PIPES, is_locked, mode_like, no_link
+from sistap.terminal.writing import WINDOWS_PIPES, lock, mode_like, no_link
 
 _CURE = "name another file with -o"
 
@@ -29,7 +30,7 @@ class NotOpened(Exception):
     """FILE cannot be written; the text is the line to show."""
 
 
-class Incomplete(Exception):
+class Incomplete(Error):
     """The disk is full; the text is the line to show."""
 
 
@@ -135,7 +136,7 @@ def _is_file(path: str, cure: str, *, force: bool) -> bool:
         return False
     if found.st_size and not force:
         raise NotOpened(f"{path} holds data already: {cure}, or overwrite it with --force")
-    if is_locked(Path(path)):
+    if _is_locked(Path(path)):
         raise NotOpened(f"{path} is being written by a capture: {cure}")
     return True
 
@@ -157,3 +158,14 @@ def loss(error: OSError, cure: str = "") -> str:
     if error.errno == errno.EBADF:
         return "standard output is closed" + (cure and f"; {cure}")
     return f"standard output is incomplete: {error.strerror}; make room" + (cure and f", or {cure}")
+
+
+def _is_locked(path: Path) -> bool:
+    """Tell whether another program has locked a file."""
+    with suppress(OSError):
+        descriptor = os.open(path, os.O_RDONLY)
+        try:
+            return not lock(descriptor)
+        finally:
+            os.close(descriptor)
+    return False

@@ -22,6 +22,7 @@ from typing import NamedTuple
 from sistap.files.lasting import PROMISED_S, Lasting
 from sistap.terminal.advice import shell_word
 from sistap.terminal.console import PIECE, STANDARD_OUTPUT, is_reader_gone, never_waiting
+from sistap.terminal.exits import Error
 from sistap.terminal.programs import typed
 from sistap.terminal.writing import WINDOWS_PIPES, lock, mode_like, no_link
 
@@ -33,7 +34,7 @@ _WAIT_MS = 100  # upper bound on the time to stop
 _PAUSE_S = 0.01  # a terminal may report room and then not accept anything
 
 
-class OutputError(Exception):
+class OutputError(Error):
     """No more can be written; str() is the line to show."""
 
 
@@ -41,7 +42,7 @@ class ReaderGone(OutputError):
     """Nobody reads the pipe any more."""
 
 
-class OutputRefused(Exception):
+class OutputRefused(Error):
     """The output cannot be written to; str() is the line to show, of a command."""
 
     def __init__(self, what: str, cure: str = "; choose another file with -w") -> None:

@@ -19,10 +19,19 @@ from sistap.terminal import programs
 from sistap.terminal.advice import advice
 from sistap.terminal.console import Console, visible
 from sistap.terminal.exits import DONE, FAILED, USAGE
-from sistap.terminal.state import is_root, is_roots_alone
+from sistap.terminal.state import is_root
 from sistap.terminal.stop import held
 from sistap.wireshark import folders, profile
-from sistap.wireshark.tshark import OLDEST_WIRESHARK, Loaded, Tshark, TsharkError, Version, loaded, version
+from sistap.wireshark.tshark import (
+    OLDEST_WIRESHARK,
+    Loaded,
+    Tshark,
+    TsharkError,
+    Version,
+    is_roots_alone,
+    loaded,
+    version,
+)
 
 DESCRIPTION = """\
 Install the dissector, the serial ports among Wireshark's interfaces (extcap) and the profile SIS for the Wireshark of

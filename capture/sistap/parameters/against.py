@@ -10,8 +10,8 @@ from sistap.accesses.access import Access, Parameter
 from sistap.accesses.listing import MOST, Place
 from sistap.parameters.backup import Drive, Saved
 from sistap.parameters.reading import Found
-from sistap.parameters.values import Unreadable, decoded, encoded, same, without_lengths
 from sistap.sis.telegram import shown
+from sistap.telegrams.values import Unreadable, decoded, encoded, same, without_lengths
 from sistap.wireshark.rows import NotACapture
 
 

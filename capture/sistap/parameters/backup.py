@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.parameters.values import Attribute, Unreadable, encoded
+from sistap.telegrams.values import Attribute, Unreadable, encoded
 from sistap.terminal.console import visible
 
 MARK = "SERCOS-ASCII"

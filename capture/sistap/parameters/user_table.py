@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sistap.parameters.backup import Drive, Saved
-from sistap.parameters.values import shown_limit
 from sistap.sis.telegram import shown
+from sistap.telegrams.values import shown_limit
 
 _PLAIN = frozenset(range(0x20, 0x7F)) - frozenset(b'"\\')
 

@@ -10,7 +10,8 @@ and compares. Nothing is guessed: if telegrams are damaged or missing, a fact ma
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
 from sistap.sis.initialization import INITIALIZATION, SIZES, Agreed, certain
@@ -65,22 +66,20 @@ class _Newest(OrderedDict[_Key, _Value], Generic[_Key, _Value]):
             self.popitem(last=False)
 
 
+@dataclass(slots=True, eq=False)
 class _Exchange:
     """A command, and what became of it."""
 
-    __slots__ = ("body_at", "command", "is_answered", "over_at", "sent_at")
-
-    def __init__(self, command: bytes, body_at: int, sent_at: int) -> None:
-        self.command = command
-        self.body_at = body_at
-        self.sent_at = sent_at
-        self.is_answered = False
-        self.over_at = 0  # when it was answered or its master went on; 0: neither yet
+    command: bytes
+    body_at: int
+    sent_at: int
+    is_answered: bool = False
+    over_at: int = 0  # when it was answered or its master went on; 0: neither yet
 
     @property
-    def is_waiting(self) -> bool:
-        """Tell whether a reaction is to come."""
-        return not self.over_at and self.path[-1] < FIRST_GROUP and self.command[5] != _TOKEN
+    def needs_reaction(self) -> bool:
+        """Tell whether it must be answered."""
+        return self.path[-1] < FIRST_GROUP and self.command[5] != _TOKEN
 
     @property
     def path(self) -> bytes:
@@ -101,7 +100,7 @@ class _Exchange:
         return command[5] != INITIALIZATION or asked[1] == said[1] or said[1] not in SIZES
 
 
-class _Place(NamedTuple):
+class Place(NamedTuple):
     """A parameter of a device behind a station."""
 
     path: bytes  # of stations
@@ -113,11 +112,15 @@ class _Place(NamedTuple):
         """Tell whether the documents know such an ident (fig. 8-3)."""
         return self.ident[0] == 0 or (self.ident[0] in _LETTERS and not self.ident[2] & 0x80)
 
-    def __str__(self) -> str:
+    @property
+    def parameter(self) -> str:
+        """Return its name, as S-0-0036. It must be defined."""
         number = int.from_bytes(self.ident[1:], "little")
         letter = "P" if number & _BIT_15 else _LETTERS[self.ident[0]]
-        stations = "/".join(map(str, self.path))
-        return f"{stations} device {self.device} {letter}-{number >> 12 & 7}-{number & 0xFFF:04}"
+        return f"{letter}-{number >> 12 & 7}-{number & 0xFFF:04}"
+
+    def __str__(self) -> str:
+        return f"{'/'.join(map(str, self.path))} device {self.device} {self.parameter}"
 
 
 class Told:
@@ -125,11 +128,11 @@ class Told:
 
     def __init__(self) -> None:
         self._settings = Agreed()
-        self._parameters: _Newest[_Place, dict[int, str]] = _Newest(MOST_PARAMETERS)
+        self._parameters: _Newest[Place, dict[int, str]] = _Newest(MOST_PARAMETERS)
         self._devices: _Newest[tuple[bytes, int], dict[str, str]] = _Newest(MOST_DEVICES)  # by stations and device
         self._exchanges: _Newest[bytes, _Exchange] = _Newest(MOST_OPEN)  # the last of each pair of stations
         self._of_master: dict[int, _Exchange] = {}  # the last of each
-        self._pieces: _Newest[tuple[_Place, int], bytes] = _Newest(MOST_PIECES)  # of elements that are not complete
+        self._pieces: _Newest[tuple[Place, int], bytes] = _Newest(MOST_PIECES)  # of elements that are not complete
         self._transfers: _Newest[tuple[bytes, bytes], int] = _Newest(MOST_PIECES)  # last pieces, by stations and device
         self._number = 0  # of what came
         self._damaged_at = 0
@@ -141,24 +144,27 @@ class Told:
         for key in self._pieces:
             self._pieces[key] = _BROKEN
 
-    def take(self, telegram: bytes, end_ns: int) -> None:
-        """Take a good telegram, whose last character came at `end_ns`."""
+    def take(self, telegram: bytes, end_ns: int) -> bytes:
+        """Take a good telegram, whose last character came at `end_ns`. Return the command that it answers, if any."""
         self._number += 1
         control = telegram[4]
         body_at = STATIC_LENGTH + (control & CONTROL_SUBADDRESSES) + bool(control & CONTROL_NUMBER)
         stations = telegram[6 : STATIC_LENGTH + (control & CONTROL_SUBADDRESSES)]
         if control & CONTROL_REACTION:
-            self._take_reaction(telegram, body_at, stations, end_ns)
-        else:
-            self._take_command(telegram, body_at, stations, end_ns)
+            return self._take_reaction(telegram, body_at, stations, end_ns)
+        self._take_command(telegram, body_at, stations, end_ns)
+        return b""
+
+    def known(self, place: Place) -> Mapping[int, str]:
+        """Return what was told of a parameter, by element."""
+        return self._parameters.get(place, {})
 
     @property
     def is_under_way(self) -> bool:
         """Tell whether a command waits for its reaction, or more pieces of long data follow."""
         since = self._number - _RECENT
-        return any(one.is_waiting and one.sent_at > since for one in self._of_master.values()) or any(
-            at > since for at in self._transfers.values()
-        )
+        waiting = (one for one in self._of_master.values() if not one.over_at and one.sent_at > since)
+        return any(one.needs_reaction for one in waiting) or any(at > since for at in self._transfers.values())
 
     def lines(self, now_ns: int, most: int) -> list[str]:
         """Return the facts, up to so many bytes: settings and types, then the newest of the parameters."""
@@ -195,17 +201,18 @@ class Told:
                 if service == INITIALIZATION:
                     self._settings.take(BROADCAST, certain(body), end_ns)
 
-    def _take_reaction(self, telegram: bytes, body_at: int, stations: bytes, end_ns: int) -> None:
+    def _take_reaction(self, telegram: bytes, body_at: int, stations: bytes, end_ns: int) -> bytes:
         if has_control(telegram[5]) and not _is_write(telegram[5]) and telegram[body_at : body_at + 1] == b"\0":
             self._follow_transfer(telegram[body_at + 1 : body_at + 3], stations)
         exchange = self._asked(telegram, stations)
         if not exchange:
-            return
+            return b""
         is_again = exchange.is_answered
         if not is_again:
             exchange.is_answered, exchange.over_at = True, self._number
         if general(telegram[5]) in _EXPLAINING and (self._pieces or not _is_value(telegram, body_at)):
             self._learn_all(exchange, telegram, body_at, end_ns, is_again=is_again)
+        return exchange.command
 
     def _learn_all(self, exchange: _Exchange, telegram: bytes, body_at: int, end_ns: int, *, is_again: bool) -> None:
         asked = _services(telegram[5], exchange.command[body_at:])
@@ -240,14 +247,18 @@ class Told:
         """Return the exchange of a reaction, whose addresses are those of the command, or swapped."""
         for addresses in (stations, stations[1::-1] + stations[2:]):
             exchange = self._exchanges.get(addresses)
-            # If a damaged telegram came since it was over, that one may have been another command.
-            if exchange and exchange.fits(reaction) and not 0 < exchange.over_at < self._damaged_at:
+            if not exchange or not exchange.fits(reaction):
+                continue
+            # If a damaged telegram came since it was over, that one may have been another command. What needs no
+            # reaction, such as a token, has one only before the next command.
+            is_newest = exchange is next(reversed(self._exchanges.values()))
+            if (exchange.needs_reaction or is_newest) and not 0 < exchange.over_at < self._damaged_at:
                 return exchange
         return None
 
     def _learn(self, path: bytes, command: bytes, said: bytes, *, is_again: bool, is_nested: bool) -> None:
         """Learn from an element that was read: control byte, device and data, after the status."""
-        place = _Place(path, command[1], command[2:5]) if len(command) >= 5 else None
+        place = Place(path, command[1], command[2:5]) if len(command) >= 5 else None
         if not place or len(said) < 2 or not place.is_defined:
             return
         element, data = said[0] >> 3 & 7, said[2:]
@@ -263,7 +274,7 @@ class Told:
             known[element] = value
             self._parameters.put(place, known)
 
-    def _join(self, place: _Place, element: int, said: bytes, *, is_again: bool, is_nested: bool) -> bytes | None:
+    def _join(self, place: Place, element: int, said: bytes, *, is_again: bool, is_nested: bool) -> bytes | None:
         """Join the pieces of an element (chapter 8.2). None if it is not complete."""
         if is_nested:
             return said[2:] if said[0] & _LAST else None

@@ -10,7 +10,11 @@ DONE, FAILED, USAGE, PORT = 0, 1, 2, 3
 _Value = TypeVar("_Value")
 
 
-class UsageError(Exception):
+class Error(Exception):
+    """What the library raises: each is derived from it; str() is one line that says what is wrong, and what to do."""
+
+
+class UsageError(Error):
     """Invalid options or files; str() is the line to show, and the command ends with USAGE."""
 
 

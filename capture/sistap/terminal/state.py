@@ -68,16 +68,6 @@ def check(path: Path) -> None:
             )
 
 
-def is_roots_alone(path: Path) -> bool:
-    """Tell whether only root could have put a file at this path, checked from / downwards."""
-    for step in reversed((path, *path.parents)):
-        found = step.lstat()
-        is_shared = step != path and found.st_mode & stat.S_ISVTX  # like /tmp: everybody adds, only owners remove
-        if stat.S_ISLNK(found.st_mode) or not (only_root_writes(found) or (is_shared and found.st_uid in (0, ROOT))):
-            return False
-    return True
-
-
 def only_root_writes(found: os.stat_result) -> bool:
     """Tell whether nobody but root may write there, by owner and mode."""
     return found.st_uid in (0, ROOT) and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)

@@ -44,17 +44,6 @@ else:
         return True
 
 
-def is_locked(path: Path) -> bool:
-    """Tell whether another program has locked a file."""
-    with suppress(OSError):
-        descriptor = os.open(path, os.O_RDONLY)
-        try:
-            return not lock(descriptor)
-        finally:
-            os.close(descriptor)
-    return False
-
-
 FORCE = "overwrite a file that holds data"  # the help of --force
 WINDOWS_PIPES = "\\\\.\\pipe\\"  # they can be opened, but not created like files
 # Folders in which only the system makes links, such as /dev/stdout: they lead to what the user has opened.

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from sistap.common.packed import unpack
 from sistap.terminal.console import visible
+from sistap.terminal.exits import Error
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 NO_DISSECTOR = (
@@ -33,7 +34,7 @@ _CUT = ("cut short", "damaged")
 _NOT_A_CAPTURE = "isn't a capture file"
 
 
-class NotACapture(Exception):
+class NotACapture(Error):
     """tshark cannot read the file; the text is the line to show."""
 
 

@@ -28,7 +28,8 @@ from sistap.common.complaints import Complaints
 from sistap.terminal import programs
 from sistap.terminal.advice import advice
 from sistap.terminal.console import Console
-from sistap.terminal.state import is_roots_alone, only_root_writes
+from sistap.terminal.exits import Error
+from sistap.terminal.state import ROOT, only_root_writes
 from sistap.terminal.stop import held
 
 # What the folder of each variable holds; None: programs of any name.
@@ -39,6 +40,16 @@ HOLDS: dict[str, tuple[str, ...] | None] = {"WIRESHARK_PLUGIN_DIR": (".so", ".lu
 # and pipes without a reader. So only regular files are copied, of folders that nobody but root can change.
 
 _CHECKOUT = Path(__file__).resolve().parents[3]
+
+
+def is_roots_alone(path: Path) -> bool:
+    """Tell whether only root could have put a file at this path, checked from / downwards."""
+    for step in reversed((path, *path.parents)):
+        found = step.lstat()
+        is_shared = step != path and found.st_mode & stat.S_ISVTX  # like /tmp: everybody adds, only owners remove
+        if stat.S_ISLNK(found.st_mode) or not (only_root_writes(found) or (is_shared and found.st_uid in (0, ROOT))):
+            return False
+    return True
 
 
 def is_trusted(folder: Path) -> bool:
@@ -91,7 +102,7 @@ def environment(program: str) -> dict[str, str]:
     return own
 
 
-class TsharkError(Exception):
+class TsharkError(Error):
     """tshark is missing or failed; the text is the line to show."""
 
 

@@ -6,12 +6,13 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 from sistap.line.settings import LineSettings, Read
+from sistap.terminal.exits import Error
 
 READ_SIZE = 4096  # as much as the line discipline of Linux holds
 STEP_MS = 10  # longest sleep; a longer one means that the process was suspended
 
 
-class PortError(Exception):
+class PortError(Error):
     """A port cannot be opened; the text is one line that names the cure."""
 
 
@@ -20,7 +21,7 @@ def needs_rate(port: str) -> PortError:
     return PortError(f"{port} needs a rate: give it with --baud")
 
 
-class PortLost(Exception):
+class PortLost(Error):
     """A port was lost while it was read; the text is one line that names the cure."""
 
     def __init__(self, text: str, line: int = 0) -> None:

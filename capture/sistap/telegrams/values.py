@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Values of parameters as a backup writes them, and their bytes on the bus (IEC 61491; low byte first)."""
+"""Values of parameters: their bytes on the bus (IEC 61491; low byte first), as a backup writes them, as a number."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import struct
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime, timedelta
 from decimal import Decimal
+from functools import lru_cache
 from typing import NamedTuple
 
 _SIZES = (0, 2, 4, 8, 1, 2, 4, 8)  # of a value in bytes, by the code of its length; from 4 on it is a list
@@ -148,7 +149,7 @@ def _decoded_one(attribute: Attribute, data: bytes) -> str:
         return f"{'P' if raw & 0x8000 else 'S'}-{raw >> 12 & 7}-{raw & 0xFFF:04}{structure}"
     if attribute.format == _FLOAT and attribute.size in (4, 8):
         return f"{struct.unpack('<d' if attribute.size == 8 else '<f', data)[0]:.7g}"
-    if attribute.format == _TIME and attribute.size == 8:
+    if attribute.format == _TIME and attribute.size == 8 and raw >> 32 < 1_000_000_000:
         seconds, ns = struct.unpack("<II", data)
         return f"{_1970 + timedelta(seconds=seconds):%Y-%m-%dT%H:%M:%S}.{ns:09}Z"
     return f"0x{raw:0{attribute.size * 2}X}"
@@ -163,6 +164,25 @@ def decoded(attribute: Attribute, data: bytes) -> str | None:
     return ", ".join(
         _decoded_one(attribute, data[at : at + attribute.size]) for at in range(0, len(data), attribute.size)
     )
+
+
+Value = int | float | str
+
+
+@lru_cache(4096)
+def value(attribute: Attribute, data: bytes) -> Value | None:
+    """Return a number, or a text: lists, idents and times as a backup writes them. None if the bytes do not fit."""
+    elements = without_lengths(attribute, data)
+    text = None if attribute.is_list and elements is data else decoded(attribute, elements)
+    if text is None or attribute.is_list:
+        return text
+    if attribute.format in (_BINARY, _HEX):
+        return int.from_bytes(data, "little")
+    if text.startswith("0x"):  # no document describes such values of this length
+        return None
+    if attribute.format in (_IDENT, _TIME):
+        return text
+    return float(text) if attribute.decimals or attribute.format == _FLOAT else int(text)
 
 
 def shown_limit(attribute: Attribute, limit: str, unit: str) -> str:
