@@ -76,7 +76,8 @@ export class Sistap {
     }
   }
 
-  // Makes a capture of a log: {capture, lines, places, said}, see sistap/web/opening.py. Null for what has to be imported.
+  // Makes a capture of a log: {capture, lines, places, said, unread}, see sistap/web/opening.py. Null for what has to be
+  // imported.
   log(task, name, bytes, pattern = "") {
     const { FS } = this.python;
     FS.writeFile(`${WORK}/${name}`, bytes);
