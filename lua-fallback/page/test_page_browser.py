@@ -21,6 +21,7 @@ from statistics import median
 from typing import Any
 
 import pytest
+from recordings import COMMAND, RECORDINGS
 
 from chromium import Chromium, ChromiumError
 from make import HERE as CAPTURES
@@ -36,6 +37,7 @@ OF_CAPTURE = ("answer", "packets", "findings", "statistics", "curve", "changes",
 VIEWS = ("open", "listen", "play", "learn", "learn/glossary", *OF_CAPTURE, "learn/09-timing")
 ANOTHER = CAPTURES / "accesses.pcapng"
 COMPARED = "document.querySelector('[title=Comparison]').srcdoc"
+NOTE, TROUBLE = "document.querySelector('.note')?.textContent", "document.querySelector('#trouble').textContent"
 HOSTILE = "<img src=x onerror=alert(1)>"
 TELEPHONE = 360  # pixels
 RUNS = 5  # whose median counts
@@ -170,6 +172,80 @@ def test_what_has_no_limit_is_not_judged(chromium: Chromium, tmp_path: Path) -> 
 
 def text_of(browser: Chromium, selector: str) -> str:
     return str(browser.run(f"document.querySelector({selector!r}).textContent"))
+
+
+def answered(browser: Chromium, name: str) -> None:
+    """Wait for the reaction of a recording, and for what is said of it."""
+    rows = "document.querySelector('.packet-list .rows').textContent"
+    browser.until(f"document.title.startsWith('{name}') && /phase 2/.test({rows}) && {NOTE}")
+    browser.until("/^OK/.test(document.querySelector('.answer-bar').textContent)")
+
+
+def test_what_other_tools_recorded(chromium: Chromium, tmp_path: Path) -> None:
+    """What a file does not say is asked, and what was found in it is said."""
+    for name, recording in RECORDINGS.items():
+        recording.write(tmp_path / name)
+        release(chromium, tmp_path / name)
+        for option, value in zip(recording.options[::2], recording.options[1::2], strict=True):
+            told(chromium, option, value)
+        answered(chromium, name)
+        said = chromium.run(NOTE)
+        assert said.startswith("2 telegrams, 0 of them damaged, 18 characters, 0 faulty characters"), name
+        assert recording.said in said
+        assert "written" not in said and "sistap:" not in said
+
+
+def told(browser: Chromium, option: str, value: str) -> None:
+    """Answer what is asked of a recording."""
+    browser.until(f"document.querySelector('dialog[open] #{option.strip('-')}')")
+    browser.run(f"document.querySelector('#{option.strip('-')}').value = '{value}'")
+    browser.click("Try again")
+
+
+def test_a_recording_can_be_read_otherwise(chromium: Chromium, tmp_path: Path) -> None:
+    """What was told before stands in the fields; Limits keep what was said."""
+    RECORDINGS["saleae.csv"].write(tmp_path / "saleae.csv")
+    release(chromium, tmp_path / "saleae.csv")
+    told(chromium, "baud", "9600")
+    answered(chromium, "saleae.csv")
+    chromium.click("Other settings")
+    assert chromium.run("document.querySelector('dialog[open] #baud').value") == "9600"
+    told(chromium, "format", "8N1")
+    chromium.until(f"{NOTE}?.includes('9600 Bd 8N1, as given')")
+    said = chromium.run(NOTE)
+    chromium.click("Limits")
+    chromium.click("Use them")
+    answered(chromium, "saleae.csv")
+    idle(chromium)
+    assert chromium.run(NOTE) == said
+    chromium.click("Export")
+    chromium.run("HTMLAnchorElement.prototype.click = function () { globalThis.saved = this.download; }")
+    chromium.click("The whole capture")
+    assert chromium.run("saved") == "saleae.csv.pcapng"
+
+
+def test_what_is_no_recording_says_what_to_do(chromium: Chromium, tmp_path: Path) -> None:
+    """A backup of a drive; a log in which no telegram is, which can be told its layout."""
+    for name, text in (
+        ("x.par", "SERCOS-ASCII\n10/10/2024 11:28:50 AM\nDrive\n"),
+        ("modbus.txt", "01 03 00 00 00 0A C5 CD\n"),
+    ):
+        (tmp_path / name).write_text(text)
+    release(chromium, tmp_path / "x.par")
+    chromium.until(TROUBLE)
+    assert chromium.run(TROUBLE) == (
+        "x.par is a backup of the parameters of a drive, not what was on a line: on a computer with sistap, "
+        "`sistap parameters CAPTURE --against x.par` compares a capture with it"
+    )
+    release(chromium, tmp_path / "modbus.txt")
+    chromium.until("document.querySelector('dialog[open] #pattern')")
+    assert "modbus.txt has 8 bytes, but no telegram of SIS" in text_of(chromium, "dialog[open]")
+
+
+def test_a_raw_log_says_what_it_does_not_know(chromium: Chromium, tmp_path: Path) -> None:
+    (tmp_path / "putty.log").write_bytes(COMMAND)
+    choose(chromium, tmp_path / "putty.log")
+    assert chromium.run(NOTE) == "It is no text: its bytes are read as they are, without times and directions."
 
 
 def test_a_good_and_a_bad_capture_are_compared(chromium: Chromium, tmp_path: Path) -> None:
@@ -403,8 +479,8 @@ def capture_of(telegrams: int, folder: Path) -> Path:
     return path
 
 
-def drop(browser: Chromium, file: Path) -> float:
-    """Drop a file into the page; return how long it takes to its first packet, in s."""
+def release(browser: Chromium, file: Path) -> float:
+    """Drop a file into the page; return when, in s."""
     data = b64encode(file.read_bytes()).decode()
     browser.run(f"globalThis.bytes = Uint8Array.from(atob('{data}'), (letter) => letter.charCodeAt(0)); 0")
     begin = time.monotonic()
@@ -413,6 +489,12 @@ def drop(browser: Chromium, file: Path) -> float:
       dataTransfer.items.add(new File([bytes], {json.dumps(file.name)}));
       document.body.dispatchEvent(new DragEvent('drop', {{dataTransfer, bubbles: true, cancelable: true}}));
     }})()""")
+    return begin
+
+
+def drop(browser: Chromium, file: Path) -> float:
+    """Drop a file into the page; return how long it takes to its first packet, in s."""
+    begin = release(browser, file)
     browser.until("location.hash === '#packets' && document.querySelector('.packet-list .row.selected')")
     return time.monotonic() - begin
 

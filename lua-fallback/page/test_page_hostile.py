@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from recordings import session
 from report_capture import Sent, write
 
 from chromium import Chromium
@@ -120,7 +121,7 @@ def is_text(browser: Chromium, text: str) -> bool:
 
 
 @pytest.mark.thorough
-@pytest.mark.attack("page: HTML in names of files, captures and logs", "shown as text; nothing runs")
+@pytest.mark.attack("page: HTML in names of files, captures, logs and channels", "shown as text; nothing runs")
 def test_html(chromium: Chromium, tmp_path: Path) -> None:
     name = f"{IMAGE}.pcapng"
     marker = event(0, 0, LineSettings(), Event.MARKER, IMAGE)
@@ -143,6 +144,10 @@ def test_html(chromium: Chromium, tmp_path: Path) -> None:
     assert is_text(chromium, f"{IMAGE}.log")
     chromium.run("location.hash = '#answer'")
     assert is_text(chromium, f"{IMAGE}.log")
+    session(tmp_path / f"{IMAGE}.sr", IMAGE)
+    chromium.choose("#chooser", tmp_path / f"{IMAGE}.sr")
+    chromium.until("document.querySelector('.note') && document.querySelector('.answer-bar a')")
+    assert is_text(chromium, f"{IMAGE}.sr") and is_text(chromium, f": {IMAGE}; 9600")
 
 
 @pytest.mark.thorough

@@ -10,9 +10,11 @@ from base64 import b64decode, b64encode
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
 from logs import LOGS
+from recordings import METADATA, RECORDINGS
 
 from make import HERE as CAPTURES
 from parity import SCRIPT
@@ -59,6 +61,11 @@ def command(folder: Path, *words: str) -> str:
     return done.stderr
 
 
+def packets(capture: bytes) -> bytes:
+    """Return a capture without its first block, which names the computer."""
+    return capture[int.from_bytes(capture[4:8], "little") :]
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Make a folder with the script."""
@@ -88,6 +95,38 @@ def test_logs_are_explained_as_the_command_does(jobs: Callable[[list[Job]], list
         said = command(folder, *words)
         assert (done["said"], done["code"]) == (said, 0), name
         assert b64decode(done["written"]["out.txt"]) == (folder / "out.txt").read_bytes(), name
+
+
+def test_recordings_are_imported_as_the_command_does(jobs: Callable[[list[Job]], list[Any]], folder: Path) -> None:
+    """A session is a zip; Wireshark's own dissectors of adapters do not take what is on the line."""
+    wanted = []
+    for name, recording in RECORDINGS.items():
+        recording.write(folder / name)
+        wanted.append(["import", name, "-w", f"{name}.pcapng", *recording.options])
+    done = jobs(
+        [job(words, words[3], **{words[1].replace(".", "_"): (folder / words[1]).read_bytes()}) for words in wanted]
+    )
+    for words, one in zip(wanted, done, strict=True):
+        said = command(folder, *words)
+        assert (one["said"], one["code"]) == (said, 0)
+        assert RECORDINGS[words[1]].said in said
+        assert packets(b64decode(one["written"][words[3]])) == packets((folder / words[3]).read_bytes())
+
+
+@pytest.mark.attack("page: a .sr file that unpacks to 300 MB", "read in pieces: Python needs less than 100 MB")
+def test_a_session_that_is_packed_well(jobs: Callable[[list[Job]], list[Any]], tmp_path: Path) -> None:
+    """Nothing changes in one; in the other one, every sample."""
+    for levels, why in ((b"\0\0", "has no channel that changes"), (b"\0\1", "usual rate")):
+        with ZipFile(tmp_path / "x.sr", "w", ZIP_DEFLATED) as archive:
+            archive.writestr("version", "2")
+            archive.writestr("metadata", METADATA)
+            with archive.open("logic-1-1", "w") as file:
+                for _ in range(300):
+                    file.write(levels * 500_000)
+        (done,) = jobs([job(["import", "x.sr", "-w", "out"], "out", x_sr=(tmp_path / "x.sr").read_bytes())])
+        assert done["code"] == 2
+        assert why in done["said"]
+        assert done["memory"] < 100_000_000
 
 
 @pytest.mark.parametrize("name", ["10-silence", "05-long-data"])

@@ -11,21 +11,24 @@ from sistap.annotate import annotating, sources
 from sistap.annotate.annotating import Passage
 from sistap.annotate.cutting import Part
 from sistap.annotate.pattern import PatternReader, TooSlow
-from sistap.annotate.sources import SourceError
+from sistap.annotate.sources import Source, SourceError
 from sistap.annotate.spool import Spool
 from sistap.annotate.troubles import Troubles
 from sistap.imports.formats import known
+from sistap.parameters import backup
 from sistap.records.cut import SIS
+from sistap.terminal.advice import shell_word
 from sistap.terminal.exits import UsageError
 
 
 class Log:
     """A log that was read."""
 
-    def __init__(self, said: list[str]) -> None:
+    def __init__(self, said: list[str], unread: list[str]) -> None:
         self.lines: list[str] = []
         self.places: list[list[tuple[int, int, int]]] = []  # of each packet's bytes: line from 0, first column, end
-        self.said = said
+        self.said = said  # of the whole log
+        self.unread = unread  # lines that could not be read, and why
 
     def add(self, parts: Iterable[Part]) -> None:
         """Note where the bytes of a packet stand."""
@@ -46,8 +49,9 @@ def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], 
     UsageError.
     """
     log = Path(name)
-    said: list[str] = []
-    troubles = Troubles(said.append)
+    _refuse_backup(log)
+    unread: list[str] = []
+    troubles = Troubles(unread.append)
     try:
         source = sources.look(name, SIS, PatternReader(pattern) if pattern else None)
         passage = Passage(source.reader, troubles.add)
@@ -57,9 +61,7 @@ def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], 
             if not passage.telegrams:
                 raise UsageError(_nothing(log, passage))
             troubles.end()
-            if source.reader.notation:
-                said.append(f"bytes: {source.reader.notation}")
-            found = Log(said)
+            found = Log(_remarks(source), unread)
             for batch in spool.batches(lambda part: progress(0.5 + part / 2)):
                 for line, _, complete in batch:
                     if line:
@@ -71,10 +73,29 @@ def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], 
     return json.dumps(found.__dict__)
 
 
+def _refuse_backup(log: Path) -> None:
+    with log.open("rb") as file:
+        if file.read(len(backup.MARK)) == backup.MARK.encode():
+            raise UsageError(
+                f"{log.name} is a backup of the parameters of a drive, not what was on a line: on a computer with "
+                f"sistap, `sistap parameters CAPTURE --against {shell_word(log.name)}` compares a capture with it"
+            )
+
+
+def _remarks(source: Source) -> list[str]:
+    if source.is_raw:
+        return ["It is no text: its bytes are read as they are, without times and directions."]
+    return [f"bytes: {source.reader.notation}"] if source.reader.notation else []
+
+
 def _nothing(log: Path, passage: Passage) -> str:
     """Say why nothing can be shown."""
     if passage.has_ascii:
-        return f"{log.name} has the ASCII protocol of drives: `sistap annotate --framing ascii` explains it"
+        return (
+            f"{log.name} has the ASCII protocol of drives: on a computer with sistap, "
+            f"`sistap annotate --framing ascii {shell_word(log.name)}` explains it"
+        )
     if passage.bytes:
-        return f"{log.name} has {passage.bytes} bytes, but no telegram of SIS"
+        count = f"{passage.bytes} byte{'' if passage.bytes == 1 else 's'}"
+        return f"{log.name} has {count}, but no telegram of SIS: it may be the log of another protocol"
     return f"{log.name} has no bytes in hexadecimal: make the other program log in hexadecimal"

@@ -18,8 +18,9 @@ from sistap.wireshark.tshark import TsharkError
 _NO_CAPTURE = 'tshark: The file "{}" isn\'t a capture file in a format TShark understands.'
 _CUT = 'tshark: The file "{}" appears to have been cut short in the middle of a packet.'
 _ALONE = ("-2", "-n", "-l", "-q")  # wiregasm always reads in two passes, and resolves no names
-# It prints nothing but fields; a read filter that leaves all is for fields in the first pass, which page.lua has.
-_USUAL = {("-T", "fields"), ("-R", "frame")}
+# It prints nothing but fields; a read filter that leaves all is for fields in the first pass, which page.lua has; two
+# protocols are always disabled (OWN_FILES in sistap.js).
+_USUAL = {("-T", "fields"), ("-R", "frame"), ("--disable-protocol", "ftdi-ft"), ("--disable-protocol", "usbcom")}
 
 
 @dataclass

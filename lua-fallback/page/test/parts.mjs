@@ -7,7 +7,7 @@ import { join, relative } from "node:path";
 import { fileURLToPath } from "node:url";
 
 import { Dissector } from "../src/dissect/dissector.js";
-import { Sistap } from "../src/tap/sistap.js";
+import { OWN_FILES, Sistap } from "../src/tap/sistap.js";
 import { withoutEval } from "../wiregasm.mjs";
 
 const here = fileURLToPath(new URL("..", import.meta.url));
@@ -46,7 +46,7 @@ export async function startSistap() {
   }
   const { loadPyodide } = await import(join(packages, "pyodide", "pyodide.mjs"));
   const sistap = await Sistap.start(loadPyodide, files, { indexURL: join(packages, "pyodide/") });
-  sistap.wireshark = await startDissector();
+  sistap.wireshark = await startDissector(OWN_FILES);
   return sistap;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Runs jobs of sistap in Python for WebAssembly. The argument names a file with JSON: a list of {words, files, wanted},
-// files by name in base64. Prints a list of {code, said, written}. A job {modules} imports them, and prints what fails.
+// files by name in base64. Prints a list of {code, said, written, memory}. A job {modules} imports them, and prints what fails.
 
 import { readFileSync } from "node:fs";
 
@@ -29,6 +29,6 @@ imported`)(modules);
 const done = JSON.parse(readFileSync(process.argv[2], "utf8")).map(({ words, files, wanted, modules }) => {
   if (modules) return imported(modules);
   const result = sistap.command(TASK, words, each(files, bytes), wanted);
-  return { ...result, written: each(result.written, text) };
+  return { ...result, written: each(result.written, text), memory: sistap.python._module.HEAPU8.length };
 });
 process.stdout.write(JSON.stringify(done));

@@ -23,6 +23,7 @@ export class Capture extends EventTarget {
     this.name = "";
     this.bytes = null;
     this.log = null; // lines of a log, and where its telegrams stand
+    this.imported = null; // a recording of another tool, and what was said of it
     this.packets = 0;
     this.trouble = "";
     this.filter = "";
@@ -60,7 +61,7 @@ export class Capture extends EventTarget {
 
   // The name of a file with the capture.
   get bytesName() {
-    return this.log ? `${this.name}.pcapng` : this.name;
+    return this.log || this.imported ? `${this.name}.pcapng` : this.name;
   }
 
   // Says something about what is open.
@@ -110,12 +111,12 @@ export class Capture extends EventTarget {
     await (await this.viewer).call("prefer", [{ ...USUAL, ...preferences }]);
   }
 
-  // Opens a capture of Wireshark. `log`: see log.js. `filter` and `number` are kept when it is opened again.
-  async open(name, bytes, { log = null, filter = "", number = 0, preferences = this.kept } = {}) {
+  // Opens a capture of Wireshark. `log` and `imported`: see remarks.js. `filter` and `number` are kept when it is opened again.
+  async open(name, bytes, { log = null, imported = null, filter = "", number = 0, preferences = this.kept } = {}) {
     await this.prefer(preferences);
     this.forget();
     const about = await this.ask(`Opening ${name}`, "open", [bytes]);
-    Object.assign(this, { name, bytes, log, packets: about.packets, seconds: about.seconds, link: about.link });
+    Object.assign(this, { name, bytes, log, imported, packets: about.packets, seconds: about.seconds, link: about.link });
     this.trouble = about.trouble;
     this.matched = about.packets;
     this.tell("opened");
@@ -132,7 +133,7 @@ export class Capture extends EventTarget {
     const viewer = await this.viewer;
     const about = await viewer.call("open", [bytes]);
     this.memory = about.memory;
-    Object.assign(this, { name, bytes, log: null, packets: about.packets, seconds: about.seconds, link: about.link, trouble: "" });
+    Object.assign(this, { name, bytes, log: null, imported: null, packets: about.packets, seconds: about.seconds, link: about.link, trouble: "" });
     this.dropFigures();
     const { matched, rows } = await viewer.call("rows", [filter, 0, BLOCK]);
     this.matched = matched;
@@ -158,8 +159,8 @@ export class Capture extends EventTarget {
   }
 
   async showOnly(filter) {
-    const { name, bytes, log, number } = this;
-    const { matched, rows } = await this.ask("Filtering", "rows", [filter, 0, BLOCK], { name, bytes, log, number });
+    const { name, bytes, log, imported, number } = this;
+    const { matched, rows } = await this.ask("Filtering", "rows", [filter, 0, BLOCK], { name, bytes, log, imported, number });
     this.filter = filter;
     this.matched = matched;
     this.blocks = new Map([[0, rows]]);

@@ -29,18 +29,19 @@ export function askLimits(capture, done) {
   ], "Use them", (typed) => done({ "sis.tza_ms": typed.tza || "0", "sis.trs_ms": typed.trs || "0", "sis.edition": typed.edition }));
 }
 
-export function askImport(message, done) {
-  const text = (id, example) => element("input", { type: "text", id, placeholder: example });
-  ask("What the file does not say", message.replace(/^sistap: /, ""), [
+// `told` is what was said before, by option.
+export function askImport(message, told, done) {
+  const text = (id, example) => element("input", { type: "text", id, placeholder: example, value: told[id] ?? "" });
+  ask("What the file does not say", message, [
     field("baud", "Rate in Bd", text("baud", "9600")),
     field("format", "Format of a character", text("format", "8E1")),
     field("samplerate", "Sample rate in Hz, of a logic analyser", text("samplerate", "1000000")),
-    field("device", "Adapter, of a USB capture with several", text("device", "1.5")),
-  ], "Try again", (typed) => done(Object.entries(typed).filter(([, value]) => value).flatMap(([name, value]) => [`--${name}`, value])));
+    field("device", "Adapter, or channels of a logic analyser", text("device", "1.5 or D0,D1")),
+  ], "Try again", (typed) => done(Object.fromEntries(Object.entries(typed).filter(([, value]) => value))));
 }
 
 export function askPattern(message, done) {
-  ask("No bytes were found", `${message}. If the log has another layout, describe a line of it with a regular expression: (?<data>...) is the bytes in hexadecimal, (?<time>...) and (?<dir>...) are optional.`,
+  ask("No telegram was found", `${message}. If the log has another layout, describe a line of it with a regular expression: (?<data>...) is the bytes in hexadecimal, (?<time>...) and (?<dir>...) are optional.`,
     [field("pattern", "Pattern of a line", element("input", { type: "text", id: "pattern", placeholder: "(?<time>[^;]*);(?<dir>[^;]*);(?<data>.*)" }))],
     "Try again", ({ pattern }) => pattern && done(pattern));
 }

@@ -10,27 +10,32 @@ const PACKED = "1f8b"; // gzip: Wireshark unpacks it
 const PASTED = "pasted telegrams";
 const FIRST = 2; // packet 1 of a log is an event
 const IMPORTED = ".imported.pcapng";
+// What a person can cure here: the layout of a log, and what a recording does not say. Where the file is, nobody asks.
+const ASKS_PATTERN = /has no bytes|no telegram|regular expression|no group/;
+const ASKS_OPTION = /--(baud|format|samplerate|device)\b/;
+const WRITTEN = / written to \.imported\.pcapng.*/;
 
 const head = (bytes) => Array.from(bytes.subarray(0, 4), (byte) => byte.toString(16).padStart(2, "0")).join("");
 
 const isCapture = (bytes) => CAPTURES.includes(head(bytes)) || head(bytes).startsWith(PACKED);
 
 export async function openBytes(capture, name, bytes, { pattern = "" } = {}) {
-  const { made, log } = await captureOf(capture, name, bytes, pattern);
-  await capture.open(name, made, log && { log, number: FIRST });
-  if (made === bytes && /^USB/.test(capture.link)) await capture.open(name, await imported(capture, name, bytes, []));
+  const { made, ...origin } = await captureOf(capture, name, bytes, pattern);
+  await capture.open(name, made, { ...origin, number: origin.log ? FIRST : 0 });
+  if (made === bytes && /^USB/.test(capture.link)) await importBytes(capture, name, bytes);
 }
 
-// Makes a capture of a file, unless it is one: {made, log}; `log` has the lines of a log.
+// Makes a capture of a file, unless it is one: {made, log, imported}; `log` has the lines of a log, `imported` what was
+// said of another recording.
 export async function captureOf(capture, name, bytes, pattern = "") {
   if (isCapture(bytes)) return { made: bytes };
   let log;
   try {
     log = await capture.long(`Reading ${name}`, (options) => callTap("log", [fileName(name), bytes, pattern], options));
   } catch (error) {
-    throw Object.assign(error, /has no bytes|regular expression|no group/.test(error.message) ? { log: { name, bytes } } : {});
+    throw Object.assign(error, ASKS_PATTERN.test(error.message) ? { log: { name, bytes } } : {});
   }
-  if (!log) return { made: await imported(capture, name, bytes, []) };
+  if (!log) return imported(capture, name, bytes);
   const { capture: made, ...lines } = log;
   return { made, log: { ...lines, bytes, pattern } };
 }
@@ -40,15 +45,20 @@ export async function openPasted(capture, text) {
   return openBytes(capture, PASTED, new TextEncoder().encode(text));
 }
 
-// `words` are options of `sistap import`, such as ["--baud", "9600"].
-export const importBytes = async (capture, name, bytes, words) => capture.open(name, await imported(capture, name, bytes, words));
+// `told` are options of `sistap import`, such as {baud: "9600"}.
+export async function importBytes(capture, name, bytes, told) {
+  const { made, ...origin } = await imported(capture, name, bytes, told);
+  await capture.open(name, made, origin);
+}
 
-async function imported(capture, name, bytes, words) {
+async function imported(capture, name, bytes, told = {}) {
+  const words = Object.entries(told).flatMap(([option, value]) => [`--${option}`, value]);
   const file = fileName(name);
   const { code, said, written } = await capture.long(`Importing ${name}`, (options) =>
     callTap("command", [["import", file, "-w", IMPORTED, ...words], { [file]: bytes }, [IMPORTED]], options));
-  if (code) throw Object.assign(new Error(said.trim()), { import: { name, bytes } });
-  return written[IMPORTED];
+  const lines = said.trim().split("\n").map((line) => line.replace(/^sistap: /, "").replace(WRITTEN, ""));
+  if (code) throw Object.assign(new Error(lines.join(" ")), ASKS_OPTION.test(said) ? { import: { name, bytes, told } } : {});
+  return { made: written[IMPORTED], imported: { bytes, told, said: lines } };
 }
 
 // A name that is safe in a folder of its own, beside options and beside what is written there: that begins with a point.

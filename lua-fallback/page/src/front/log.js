@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The lines of a log beside its telegrams. capture.log is {lines, places, said}: of each packet, but the event at the
+// The lines of a log beside its telegrams. capture.log is {lines, places, ...}: of each packet, but the event at the
 // beginning, the places of its bytes, [line, first column, end]. Chosen lines and packets light up both ways.
 
 import { element } from "./dom.js";
@@ -78,6 +78,3 @@ export class LogLines {
     if (wanted <= this.capture.packets) this.capture.goTo(wanted);
   }
 }
-
-export const noteOf = (log) => (log.said.length ? element("details", { className: "note" },
-  element("summary", {}, `Lines that could not be read: ${log.said.length}`), ...log.said.map((text) => element("p", {}, text))) : "");

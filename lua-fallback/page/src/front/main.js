@@ -18,11 +18,12 @@ import { findingsView } from "./findings.js";
 import { followView, streamOf } from "./follow.js";
 import { PacketList } from "./list.js";
 import { listenView } from "./listen.js";
-import { LogLines, noteOf } from "./log.js";
+import { LogLines } from "./log.js";
 import { leftView } from "./left.js";
 import { keepParts } from "./parts.js";
 import { playView } from "./play.js";
 import { readProfile } from "./profile.js";
+import { remarksOf } from "./remarks.js";
 import { reportView } from "./report.js";
 import { splitter } from "./splitter.js";
 import { startView, takeDrops } from "./start.js";
@@ -57,11 +58,14 @@ const opening = (work, { stays = false } = {}) => showing(async () => {
     await work();
     if (!stays) location.hash = "#packets";
   } catch (error) {
-    if (error.import) askImport(error.message, (words) => opening(() => importBytes(capture, error.import.name, error.import.bytes, words)));
+    if (error.import) importOtherwise(error.message, error.import);
     else if (error.log) askPattern(error.message, (pattern) => opening(() => openBytes(capture, error.log.name, error.log.bytes, { pattern })));
     else throw error;
   }
 });
+
+const importOtherwise = (message, { name, bytes, told }) =>
+  askImport(message, told, (typed) => opening(() => importBytes(capture, name, bytes, typed)));
 
 // One capture is open at a time.
 const openFiles = ([file, ...others]) => file && opening(async () => {
@@ -82,9 +86,9 @@ const applyFilter = (filter, { stays = false } = {}) => showing(async () => {
 
 const reopen = (preferences) => {
   if (shown !== "learn") capture.kept = preferences;
-  const { name, bytes, log, filter, number } = capture;
+  const { name, bytes, log, imported, filter, number } = capture;
   return opening(async () => {
-    await capture.open(name, bytes, { log, filter, number, preferences });
+    await capture.open(name, bytes, { log, imported, filter, number, preferences });
     views[shown].enter?.();
   }, { stays: true });
 };
@@ -109,7 +113,8 @@ function packetsView(profile, answer) {
   const below = element("div", { className: "below" }, element("div", { className: "pane" }, tree.root, tree.said),
     element("div", { className: "pane" }, bytes.root), logPane);
   const notes = element("div", {});
-  const showNotes = () => notes.replaceChildren(capture.trouble, capture.log ? noteOf(capture.log) : "");
+  const again = () => importOtherwise(capture.imported.said.join(" "), { name: capture.name, ...capture.imported });
+  const showNotes = () => notes.replaceChildren(capture.trouble, ...remarksOf(capture, again));
   capture.addEventListener("noted", showNotes);
   for (const event of ["opened", "grown"]) {
     capture.addEventListener(event, () => {

@@ -15,8 +15,8 @@ export function startView({ left, openFiles, openPasted }) {
       element("p", { className: "large" }, "Drop a capture or a log here"),
       chooser,
       element("label", { htmlFor: "chooser", className: "button large" }, "Choose a file"),
-      element("p", {}, "Captures of Wireshark (pcapng, pcap), logs of Docklight, HTerm and other programs, ",
-        "recordings of USB and logic analysers. Nothing leaves this computer.")),
+      element("p", {}, "Captures of Wireshark (pcapng, pcap), logs of Docklight, HTerm and other programs, recordings of ",
+        "USB (usbmon, USBPcap) and of logic analysers (PulseView, Saleae, DSView). Nothing leaves this computer.")),
     element("p", {}, "No file? ", element("a", { href: "#listen" }, "Listen at an adapter"), ", ",
       element("a", { href: "#play" }, "play a bus without a drive"), ", or ", element("a", { href: "#learn" }, "learn what is on it"), "."),
     element("form", { className: "paste", onsubmit: (event) => {

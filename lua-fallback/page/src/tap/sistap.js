@@ -24,6 +24,10 @@ def run(words):
         return end.code or 0
 `;
 
+// A file of Wireshark's folder, for the Wireshark of sistap: what it reads of USB is characters of a line, not what FTDI's
+// or CDC's dissector makes of them. The command disables both (imports/usb_transfers.py) for each run.
+export const OWN_FILES = { disabled_protos: "ftdi-ft\nusbcom\n" };
+
 export class Sistap {
   // `files` are the files of sistap: {path: text}, with rows.lua among them.
   static async start(loadPyodide, { "rows.lua": script, ...files }, options) {
@@ -72,7 +76,8 @@ export class Sistap {
     }
   }
 
-  // Makes a capture of a log: {capture, lines, places, said}, see sistap/web/opening.py. Null for what has to be imported.
+  // Makes a capture of a log: {capture, lines, places, said, unread}, see sistap/web/opening.py. Null for what has to be
+  // imported.
   log(task, name, bytes, pattern = "") {
     const { FS } = this.python;
     FS.writeFile(`${WORK}/${name}`, bytes);

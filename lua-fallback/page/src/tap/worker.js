@@ -9,7 +9,7 @@ import { loadPyodide } from "pyodide";
 import { startDissector } from "../dissect/start.js";
 import { Moved, serve } from "../protocol.js";
 import { text, unpacked } from "../unpack.js";
-import { Sistap } from "./sistap.js";
+import { OWN_FILES, Sistap } from "./sistap.js";
 
 const NOWHERE = "https://python.invalid/"; // nothing is fetched there: see below
 
@@ -20,7 +20,7 @@ let sistap, startWireshark;
 
 serve({
   async start(task, { pythonCode, pythonLibrary, files, wireshark }) {
-    startWireshark = () => startDissector(self.loadWiregasm, wireshark);
+    startWireshark = () => startDissector(self.loadWiregasm, { ...wireshark, files: { ...wireshark.files, ...OWN_FILES } });
     const [code, library] = await Promise.all([unpacked(pythonCode), unpacked(pythonLibrary)]);
     // Pyodide fetches two files, which are here already.
     const { fetch } = self;
