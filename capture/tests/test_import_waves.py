@@ -495,6 +495,25 @@ def test_a_recording_that_is_cut_anywhere(tmp_path: Path, form: Callable[[Path],
             assert len(heard) <= len(TELEGRAMS[0]) or SENT.startswith(heard[:-1])  # a telegram tells the polarity
 
 
+@pytest.mark.parametrize("form", FORMS)
+def test_damaged_recordings_are_read_or_refused(tmp_path: Path, form: Callable[[Path], None]) -> None:
+    path = tmp_path / "recording"
+    form(path)
+    whole = path.read_bytes()[:8000]
+    for seed in range(60):
+        chance = random.Random(seed)
+        data = bytearray(whole)
+        for _ in range(chance.choice((1, 3, 20))):
+            at = chance.randrange(chance.choice((300, len(data))))
+            data[at : at + chance.choice((0, 1, 30))] = bytes(chance.choices(b"0123456789-.e#$,;xb \n\0\xff", k=3))
+        path.write_bytes(data)
+        try:
+            opener = known(path)
+            assert not opener or list(opener(path, chance.choice((NOTHING, Told(9600, device="RO")))).reads())
+        except UsageError:
+            pass
+
+
 def test_without_a_row_at_the_end_the_last_character_is_complete(tmp_path: Path) -> None:
     """A table has edges only: the line stays as it is after the last one."""
     path = tmp_path / "recording"

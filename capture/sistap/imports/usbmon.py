@@ -20,8 +20,8 @@ FIRST_LINE = rf"(?ms).*?^\s*{LINE.pattern}"  # behind what somebody has written 
 _TYPES = {"C": CONTROL, "B": BULK, "I": INTERRUPT}
 _ISOCHRONOUS = "Z"  # of no adapter
 _TRANSFER = re.compile(
-    LINE.pattern + r" (?:s(?P<setup>(?: [0-9a-f]{2,4}){5})|[^\d\s](?: \S+){5}|(?P<status>-?\d+)\S*)"
-    r" (?P<length>\d+)(?: =(?P<data>(?: (?:[0-9a-f]{2}){1,4})+)| [^=])?"
+    LINE.pattern + r" (?:s(?P<setup>(?: [0-9a-f]{2,4}){5})|[^\d\s](?: \S+){5}|(?P<status>-?\d{1,9})\S*)"
+    r" (?P<length>\d{1,9})(?: =(?P<data>(?: (?:[0-9a-f]{2}){1,4})+)| [^=])?"
 )
 # The microseconds are those of the last 4096 s; in old kernels, what fits into 32 bits.
 _US = 1000
@@ -59,7 +59,7 @@ def _transfer(match: re.Match[str], time_ns: int) -> Transfer:
     inbound, completed = match["way"] == "i", match["event"] != "S"
     data, length = bytes.fromhex(match["data"] or ""), int(match["length"])
     setup = [int(word, 16) for word in (match["setup"] or "").split()]
-    vendor, classes = _described(data) if match["type"] == "C" and inbound and completed else (None, frozenset[int]())
+    vendor, classes = _described(data if match["type"] == "C" else b"")
     return Transfer(
         time_ns=time_ns,
         device=f"{int(match['bus'] or 0)}.{int(match['device'])}",
