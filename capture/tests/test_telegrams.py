@@ -79,11 +79,10 @@ def test_a_write(bus: Bus) -> None:
 
 
 def test_a_read(bus: Bus) -> None:
-    """The reaction does not name the parameter: its command does. A text is a list of characters (0x00540001)."""
+    """The reaction does not name the parameter: its command does. A text is a list of characters (0x00440001)."""
     bus.read(ATTRIBUTE, S95, bytes.fromhex("01 00 44 00"))
-    assert str(bus.read(VALUE, S95, bytes.fromhex("04 00 3C 00") + b"\x1b[2J")).endswith(
-        "= \u241b[2J"
-    )  # clears a screen
+    clearing = bus.read(VALUE, S95, bytes.fromhex("04 00 3C 00") + b"\x1b[2J")  # a terminal
+    assert str(clearing).endswith("= \u241b[2J")
     text = bytes.fromhex("04 00 3C 00") + b"F228"
     reaction = bus.read(VALUE, S95, text)
     assert (reaction.parameter, reaction.value, reaction.data) == ("S-0-0095", "F228", text)
