@@ -16,7 +16,8 @@ from typing import NamedTuple
 from sistap.analyser import probe
 from sistap.capture.filter import Filter, FilterError
 from sistap.common.packages import missing
-from sistap.line import drivers, measurement, ports, priority
+from sistap.line import drivers, measurement, others, ports, priority
+from sistap.line.others import Others
 from sistap.line.reader import PortError, open_reader
 from sistap.line.settings import LineSettings
 from sistap.terminal import programs
@@ -37,7 +38,8 @@ poor  a capture works, but could be better; the line says how
 bad   a capture does not work, or Wireshark cannot read it; the line says what to do
 
 With -i, sistap opens the port for a moment, as a capture does. It writes nothing to the port and switches RTS and DTR
-off. It restores the settings that it tuned.
+off. It restores the settings that it tuned. It names other programs that can read the port; root sees those of all
+users.
 
 examples:
   sistap doctor                                         this computer
@@ -51,15 +53,8 @@ exit status:
   3  the port cannot be opened
 """
 
-PROC = Path("/proc")
 UNITS = (Path("/etc/systemd/system"), Path("/usr/local/lib/systemd/system"), Path("/lib/systemd/system"))
 RECORDER = "sistap-recorder.service"
-
-# Programs that open every new serial port, and how to keep them away.
-_GRABBERS = {
-    "ModemManager": "it writes to new ports, looking for modems: `sudo systemctl stop ModemManager`",
-    "brltty": "it takes adapters for braille displays: `sudo apt-get remove brltty`, or stop it",
-}
 
 _AS_ROOT = "run as root, Wireshark skips personal plugins and WIRESHARK_PLUGIN_DIR: start it as an ordinary user"
 
@@ -109,6 +104,7 @@ def port_points(port: str) -> Iterator[Point]:
     if probe.is_analyser(port):
         yield from _before_samples(port)
     device = "://" not in port and not probe.is_analyser(port)
+    shared = others.look(port)
     try:
         reader = open_reader(port, LineSettings())
     except PortError as error:
@@ -116,11 +112,12 @@ def port_points(port: str) -> Iterator[Point]:
         return
     reader.close()
     if device:
-        for subject, text, _ in _hurdles():
+        for subject, text, _ in _hurdles()[:-1]:
             yield Point("good", subject, text)
+        yield _opens(port, shared)
     yield Point("good", "adapter", reader.adapter)
     tells = ports.adapter(port).tells if device else drivers.UNKNOWN
-    notes = [note for note in reader.notes if note != tells.warning(port)]
+    notes = [note for note in reader.notes if note not in (tells.warning(port), shared.warning(port))]
     yield Point("poor" if notes else "good", "times", reader.timing)
     for note in notes:
         yield Point("poor", "times", note)
@@ -133,8 +130,17 @@ def port_points(port: str) -> Iterator[Point]:
 _HURDLES: tuple[tuple[str, str, Callable[[str], bool]], ...] = (
     ("port", "it exists", lambda port: Path(port).exists()),
     ("rights", "you may open it", lambda port: os.access(port, os.R_OK | os.W_OK)),
-    ("opens", "it opens, and no other program has it", lambda port: False),
+    ("opens", "", lambda port: False),
 )
+
+
+def _opens(port: str, shared: Others) -> Point:
+    """Say who else has a port that could be opened."""
+    if shared.known:
+        return Point("bad", "opens", shared.warning(port))
+    if shared.unknown:
+        return Point("good", "opens", f"it opens; whether another program has it cannot be known: {shared.unknown}")
+    return Point("good", "opens", "it opens, and no other program has it")
 
 
 def _hurdles() -> Sequence[tuple[str, str, Callable[[str], bool]]]:
@@ -205,12 +211,12 @@ def _rights() -> Iterator[Point]:
 
 def _grabbers() -> Iterator[Point]:
     names = set()
-    for file in PROC.glob("[0-9]*/comm"):
+    for file in others.PROC.glob("[0-9]*/comm"):
         try:
             names.add(file.read_text().strip())
         except OSError:  # the process has ended
             continue
-    for name, cure in _GRABBERS.items():
+    for name, cure in others.GRABBERS.items():
         if name in names:
             yield Point("poor", "others", f"{name} is running: {cure}")
 

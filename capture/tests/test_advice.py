@@ -26,7 +26,7 @@ PACKAGE = Path(sistap.__file__).parent
 WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-|libpcap0")
 
 # Where else such words may stand: in modules that Windows never loads, and where the programs of Linux are named.
-LINUX_ALONE = {"doctor.py": "`sudo apt-get remove brltty`"}
+LINUX_ALONE = {"others.py": "`sudo apt-get remove brltty`"}
 LINUX_FILES = {"probe.py", "packages.py"}  # of sysfs, of a program that others get elsewhere, of Python
 
 

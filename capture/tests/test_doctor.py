@@ -22,7 +22,7 @@ from sistap import cli, doctor
 from sistap.analyser import probe, reader
 from sistap.analyser.probe import Analyser
 from sistap.doctor import Point
-from sistap.line import measurement, ports, priority
+from sistap.line import measurement, others, ports, priority
 from sistap.line.reader import latency
 from sistap.wireshark.tshark import TsharkError
 
@@ -57,9 +57,11 @@ class FakeTshark:
 @pytest.fixture(autouse=True)
 def healthy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """A computer without problems; return its /proc, in which one program runs."""
-    (tmp_path / "1").mkdir()
+    (tmp_path / "1/fd").mkdir(parents=True)
     (tmp_path / "1/comm").write_text("systemd\n")
-    monkeypatch.setattr(doctor, "PROC", tmp_path)
+    (tmp_path / "self/ns").mkdir(parents=True)
+    (tmp_path / "self/ns/pid").symlink_to("pid:[4026531836]")  # not of a container
+    monkeypatch.setattr(others, "PROC", tmp_path)
     monkeypatch.setattr(doctor, "Tshark", FakeTshark)
     monkeypatch.setattr(doctor, "Filter", lambda text: None)
     monkeypatch.setattr(doctor, "UNITS", [tmp_path])
@@ -231,7 +233,8 @@ def test_the_group_of_ports_before_there_is_one(
 # -- A port ------------------------------------------------------------------------------------------------------------
 
 
-def test_a_port(capsys: pytest.CaptureFixture[str], port: str) -> None:
+def test_a_port(capsys: pytest.CaptureFixture[str], port: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(others, "is_root", lambda: True)
     code, points = examined(capsys, "-i", port)
     assert code == 0
     assert points["port"] == ("good", "it exists")
@@ -360,6 +363,28 @@ def test_a_port_without_rights(capsys: pytest.CaptureFixture[str], monkeypatch: 
     assert points["port"][0] == "good"
     assert points["rights"][0] == "bad" and points["rights"][1].startswith(f"no permission to open {port}: ")
     assert "opens" not in points
+
+
+def test_a_port_that_another_program_may_read(capsys: pytest.CaptureFixture[str], port: str, healthy: Path) -> None:
+    process = healthy / "4711"
+    for folder in ("fd", "fdinfo"):
+        (process / folder).mkdir(parents=True)
+    for file, text in {"comm": "cat\n", "cmdline": f"cat\0{port}\0", "fdinfo/3": "pos:\t0\n"}.items():
+        (process / file).write_text(text)
+    (process / "fd/3").symlink_to(port)
+    code, points = examined(capsys, "-i", port)
+    said = f"another program may read {port}: cat (pid 4711, user {process.owner()}), end it with `kill 4711`"
+    assert code == 3
+    assert points["opens"] == ("bad", said)
+    assert points["times"][0] == "good"
+
+
+def test_who_cannot_see_all_programs_does_not_say_that_there_is_none(
+    capsys: pytest.CaptureFixture[str], port: str
+) -> None:
+    code, points = examined(capsys, "-i", port)
+    doubt = f"it opens; whether another program has it cannot be known: run `sistap doctor -i {port}` as root"
+    assert (code, points["opens"]) == (0, ("good", doubt))
 
 
 def test_a_busy_port(capsys: pytest.CaptureFixture[str], port: str) -> None:

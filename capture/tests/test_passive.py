@@ -32,7 +32,8 @@ PATIENCE_S = 60
 
 # All that a capture may ask of a port. A list of what is allowed: so that a new way to drive a line is noticed.
 ALLOWED = {
-    *("TCGETS", "TCGETS2", "TCSETS", "TCSETS2", "TIOCMBIC", "TIOCGICOUNT", "FIONREAD", "TIOCINQ", "TIOCGEXCL"),
+    *("TCGETS", "TCGETS2", "TCSETS", "TCSETS2", "TIOCMBIC", "TIOCGICOUNT", "FIONREAD", "TIOCINQ"),
+    *("TIOCEXCL", "TIOCGEXCL", "TIOCNXCL"),  # nobody else can open the port
     *("TIOCGSERIAL", "TIOCSSERIAL"),  # low latency mode
 }
 
@@ -109,7 +110,7 @@ def test_capture_only_listens(tmp_path: Path, options: list[str]) -> None:
     assert any("B57600" in call for call in calls) is bool(options)
 
 
-TCGETS2, TIOCGICOUNT = 0x802C542A, 0x545D  # Linux: <asm-generic/ioctls.h>
+TCGETS2, TIOCGICOUNT, TIOCGEXCL = 0x802C542A, 0x545D, 0x80045440  # Linux: <asm-generic/ioctls.h>
 
 
 def test_tuning_changes_a_flag_of_the_driver_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -126,7 +127,7 @@ def test_tuning_changes_a_flag_of_the_driver_and_nothing_else(monkeypatch: pytes
             state[0] = rest[0]
             changed.append(rest[0])
             return rest[0]
-        assert request in (termios.TIOCMBIC, TCGETS2, TIOCGICOUNT)
+        assert request in (termios.TIOCMBIC, TCGETS2, TIOCGICOUNT, TIOCGEXCL, termios.TIOCEXCL, termios.TIOCNXCL)
         return real(fd, request, *rest)  # type: ignore[call-overload]
 
     before = state[0]

@@ -116,7 +116,7 @@ _UARTS = {"1": "8250", "2": "16450", "3": "16550", "4": "16550A", "8": "16750", 
 _NOT_KNOWN = "n/a"  # pyserial's word for unknown
 
 # Unix98 pseudo terminals (Linux: Documentation/admin-guide/devices.txt).
-_PTY_SLAVE_MAJORS = range(136, 144)
+PTY_SLAVE_MAJORS = range(136, 144)
 
 
 class Adapter(NamedTuple):
@@ -198,7 +198,7 @@ def _is_pseudo_terminal(port: str) -> bool:
     if sys.platform == "win32":
         return False
     try:
-        return os.major(Path(port).stat().st_rdev) in _PTY_SLAVE_MAJORS
+        return os.major(Path(port).stat().st_rdev) in PTY_SLAVE_MAJORS
     except OSError:
         return False
 

@@ -10,7 +10,7 @@ import sys
 import termios
 from functools import partial
 
-from sistap.line import ports, priority
+from sistap.line import others, ports, priority
 from sistap.line.clock import CLOCK, monotonic_ns
 from sistap.line.reader import latency
 from sistap.line.reader.contract import READ_SIZE, PortLost
@@ -42,6 +42,7 @@ class PosixReader:
         self.line = line
         pseudo_terminal = ports.adapter(port).pseudo_terminal
         self._known = latency.known()  # before opening: the port would fill during this measurement
+        shared = others.look(port)
         self._serial = open_device(port, settings, pseudo_terminal)
         self._lost = lost_text(port, pseudo_terminal=pseudo_terminal)
         self._fd: int = self._serial.fileno()
@@ -56,7 +57,8 @@ class PosixReader:
         rates = [f"the port really runs at {rate} Bd"] if rate != settings.baud else []
         tells = self._behind.tells
         self.timing = "; ".join(filter(None, [bound.how, *rates, *self._tuning.done, priority.words(), tells.clause]))
-        self.notes: tuple[str, ...] = tuple(filter(None, (*self._tuning.missed, *bound.notes, tells.warning(port))))
+        notes = (shared.known and shared.warning(port), *self._tuning.missed, *bound.notes, tells.warning(port))
+        self.notes: tuple[str, ...] = tuple(filter(None, notes))
         self._decoder = MarkDecoder()
         counters = partial(_error_counters, self._fd)  # without self: that would be a cycle, which nobody frees
         self._errors = Errors(counters, tells)

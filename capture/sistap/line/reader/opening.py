@@ -7,15 +7,17 @@ clock of 115200 Hz runs 76800 Bd at 57600.
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import functools
+import os
 import struct
 import sys
 import termios
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from sistap.line import ports
+from sistap.line import others, ports
 from sistap.line.reader.contract import PortError
 from sistap.line.reader.pyserial import closed_serial
 from sistap.line.reader.trouble import Otherwise, device_trouble
@@ -77,6 +79,7 @@ _TERMIOS2 = struct.Struct("40xI")
 
 _TOLERANCE = 0.03  # of the rate: the largest error that a character tolerates
 _MODEM_LINES = struct.pack("I", termios.TIOCM_DTR | termios.TIOCM_RTS)
+_TIOCGEXCL = 0x80045440  # Linux, <asm-generic/ioctls.h>
 
 
 def open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> serial.Serial:
@@ -88,6 +91,8 @@ def open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> ser
             device.bytesize, device.parity = 8, "N"
         device.open()
         try:
+            with suppress(OSError):
+                fcntl.ioctl(device.fileno(), termios.TIOCEXCL)  # from now on, only root can open it
             _mark_errors(device.fileno())
             _check(device, settings, pseudo_terminal)
         except BaseException:
@@ -125,6 +130,7 @@ def _lowering() -> type[serial.Serial]:
     class Lowering(serial.Serial):
         def _reconfigure_port(self, force_update: bool = False) -> None:
             if self.fd is not None and not self.is_open:
+                _check_claim(self.fd, str(self.port))
                 # Lock it first: the lines of a port that another program uses must not change. pyserial then reports
                 # the error.
                 with suppress(OSError):
@@ -133,7 +139,22 @@ def _lowering() -> type[serial.Serial]:
             pyserial: Any = super()  # its types have no private names
             pyserial._reconfigure_port(force_update)
 
+        def close(self) -> None:
+            if self.is_open:
+                with suppress(OSError):  # it can be gone
+                    fcntl.ioctl(self.fileno(), termios.TIOCNXCL)
+            super().close()
+
     return Lowering
+
+
+def _check_claim(fd: int, port: str) -> None:
+    """Raise OSError if another program has claimed a port, which stops all but root."""
+    claimed = False
+    with suppress(OSError):  # not Linux
+        claimed = any(fcntl.ioctl(fd, _TIOCGEXCL, bytes(4)))
+    if claimed and others.look(port).known:  # who was killed can leave a claim behind
+        raise OSError(errno.EBUSY, os.strerror(errno.EBUSY))
 
 
 def _set(device: serial.Serial, attributes: list[Any], baud: int | None) -> None:

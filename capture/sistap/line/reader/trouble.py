@@ -12,6 +12,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+from sistap.line import others
 from sistap.line.settings import LineSettings
 from sistap.terminal.advice import advice
 
@@ -51,7 +52,8 @@ def device_trouble(port: str, settings: LineSettings, error: Exception) -> str:
     elif number in (errno.EACCES, errno.EPERM):
         text = f"no permission to open {port}: {_permission_cure(port)}"
     elif number in (errno.EBUSY, errno.EWOULDBLOCK):
-        text = f"{port} is in use by another program {advice().in_use.format(port=port)}"
+        known = others.look(port).known
+        text = f"{port} is in use by {known or 'another program ' + advice().in_use.format(port=port)}"
     elif number in (errno.ENXIO, errno.ENODEV, errno.EIO):
         text = f"there is no working hardware behind {port}: `sistap ports` lists the ports there are"
     elif isinstance(error, ValueError | OverflowError) or number == errno.EINVAL:
