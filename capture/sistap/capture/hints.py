@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sistap.capture.rate import Scan
+from sistap.line import others
 from sistap.line.settings import LineSettings
 from sistap.records.counters import Counters
 from sistap.records.record import Framing
@@ -15,28 +16,66 @@ SILENT_S = 5
 ENOUGH_ERRORS = 20  # so many characters, all with errors, are no accident
 ENOUGH_DAMAGED = 5  # so many telegrams, none with a line error, although parity finds most damage
 ENOUGH_CHARACTERS = 500  # more than the longest telegram (263), so at least one should be complete
+ENOUGH_PIECES, FEW_AMONG = 10, 10  # so many pieces of telegrams are no accident, if telegrams are not ten times as many
+_SILENT = "is the master on, this its port, each wire (+, -, ground) connected?"
 
 
 class Hints:
     """Gives each hint once."""
 
-    def __init__(self, settings: LineSettings, framing: Framing, *, errors_reported: bool = False) -> None:
+    def __init__(
+        self, settings: LineSettings, framing: Framing, *, errors_reported: bool = False, port: str = ""
+    ) -> None:
         """`errors_reported`: the driver of the adapter is one that reports line errors."""
         self._parity_reported = errors_reported and settings.parity != "N"
         self._settings = settings
         self._framing = framing
         self._given: set[str] = set()
+        self._port = port
+        self._weighed: tuple[int, ...] = ()  # counters, when pieces were weighed
+        self._torn = False
+        self._doubt, self._sharing = (False, False), ""  # quiet and torn, when other programs were looked for
 
     def look(self, counters: Counters, elapsed_s: float, searching: Scan | None = None) -> Iterator[str]:
         """Yield the new hints; `elapsed_s` is how long the capture has been running, `searching` whether it looks
         for settings.
         """
         hint = _diagnose_search(counters, elapsed_s, searching) if searching else self._diagnose(counters, elapsed_s)
+        sharing = self.sharing(counters, elapsed_s, searching)
         if counters.ascii_between:  # nothing else is wrong, however few telegrams there are
-            hint = "this is the ASCII protocol of drives: capture it with --framing ascii"
-        if hint and hint not in self._given:
-            self._given.add(hint)
-            yield hint
+            hint, sharing = "this is the ASCII protocol of drives: capture it with --framing ascii", ""
+        for text in (sharing, hint):
+            if text and text not in self._given:
+                self._given.add(text)
+                yield text
+
+    def sharing(
+        self, counters: Counters, elapsed_s: float, searching: Scan | None = None, *, anew: bool = False
+    ) -> str:
+        """Return that another program may take characters, if what comes looks like it: no telegram, or pieces.
+
+        It is looked for when the doubt begins, and if it shall be done anew.
+        """
+        quiet = elapsed_s >= SILENT_S and not counters.telegrams and not counters.faulty_characters
+        torn = self._is_torn(counters, searching) or (quiet and counters.pieces > 1)
+        if (quiet or torn) and (anew or self._doubt != (quiet, torn)):
+            found = others.look(self._port)
+            self._sharing = found.warning(self._port) if found.known or (torn and found.unknown) else ""
+        self._doubt = quiet, torn
+        return self._sharing if quiet or torn else ""
+
+    def _is_torn(self, counters: Counters, searching: Scan | None) -> bool:
+        """Tell whether telegrams come in pieces, and no line error explains it.
+
+        Noise changes characters: twice as many telegrams as pieces are damaged.
+        """
+        now = counters.pieces, counters.damaged, counters.telegrams, counters.faulty_characters
+        pieces, damaged, telegrams, faulty = (new - old for new, old in zip(now, self._weighed or now, strict=True))
+        if searching or not self._weighed or pieces >= ENOUGH_PIECES or telegrams >= FEW_AMONG * ENOUGH_PIECES:
+            self._weighed = now
+            enough = max(ENOUGH_PIECES, damaged * 2 / 3, telegrams / FEW_AMONG)
+            self._torn = pieces >= enough and not (faulty or searching)
+        return self._torn
 
     def _diagnose(self, counters: Counters, elapsed_s: float) -> str | None:
         settings = self._settings
@@ -44,7 +83,7 @@ class Hints:
         all_wrong = characters > 0 and counters.faulty_characters == characters
         hint = None
         if not characters and elapsed_s >= SILENT_S:
-            hint = f"nothing received for {SILENT_S} s: check the wiring (+, - and ground) and the port"
+            hint = f"nothing received for {SILENT_S} s: {_SILENT}"
         # A wrong parity makes no break and spoils no telegram; swapped wires and a wrong rate do both.
         elif all_wrong and characters >= ENOUGH_ERRORS and (counters.telegrams or not counters.breaks):
             other = "8E1" if settings.parity == "N" else "8N1"
@@ -67,7 +106,7 @@ class Hints:
 def _diagnose_search(counters: Counters, elapsed_s: float, scan: Scan) -> str | None:
     hint = None
     if not counters.characters and elapsed_s >= SILENT_S:
-        hint = f"nothing received for {SILENT_S} s: check the wiring (+, - and ground) and the port; the search goes on"
+        hint = f"nothing received for {SILENT_S} s: {_SILENT} (the search goes on)"
     elif scan.in_vain and counters.telegrams:
         hint = "telegrams come, but none without line errors: try --format 8O1, then others; the search goes on"
     elif scan.in_vain:

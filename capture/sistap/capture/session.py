@@ -103,6 +103,9 @@ class Capture:
         self.announce()
         with self.reading():
             self._loop(stop)
+        for reader in self._readers:
+            if sharing := self._tap.sharing(reader, self._elapsed_s()):
+                self._console.say(sharing)
         self.end()
 
     @contextmanager
@@ -170,12 +173,15 @@ class Capture:
             self._tick_ns = now + TICK_NS
             self._take_back()
             self._idle(now)  # one line can be silent while another is not
-            self._look((now - self._started_ns) / 1e9)
+            self._look(self._elapsed_s())
         if self._steering and self._readers:
             self._steer(self._steering)
         if self._remote:
             self._remote(self)
         return read is not None
+
+    def _elapsed_s(self) -> float:
+        return (self._clock_ns() - self._started_ns) / 1e9
 
     def _read(self, timeout_s: float) -> Read | None:
         try:

@@ -186,6 +186,12 @@ class Tap:
         for hint in line.hints.look(line.counters, elapsed_s, searching):
             yield self.which(reader.line) + hint
 
+    def sharing(self, reader: Reader, elapsed_s: float) -> str:
+        """Return that another program may take characters of a port; it is looked for now."""
+        line = self._lines[reader.line]
+        said = line.hints.sharing(line.counters, elapsed_s, anew=True)
+        return said and self.which(reader.line) + said
+
     def wall_ns(self) -> int:
         """Return the present time of the line's clock: a virtual bus may have its own."""
         if self._last is None:
@@ -195,7 +201,7 @@ class Tap:
 
     def _new_hints(self, reader: Reader) -> Hints:
         reports = drivers.reports(reader.timing)
-        return Hints(reader.settings, self._assembler.cut.framing, errors_reported=bool(reports))
+        return Hints(reader.settings, self._assembler.cut.framing, errors_reported=bool(reports), port=reader.name)
 
     def _lines_of(self, reader: Reader) -> Iterable[int]:
         return [number for number, line in self._lines.items() if line.reader is reader]

@@ -9,6 +9,7 @@ from sistap.line.drivers import NOT_REPORTED
 from sistap.line.settings import ERROR_FLAGS, Flag, Read
 from sistap.records.framer import ASCII_WORD
 from sistap.records.record import Framing, Record, Type, interval_text
+from sistap.sis.telegram import START
 
 _IS_ERROR = bytes(bool(flag & ERROR_FLAGS) for flag in range(256))
 _IS_BREAK = bytes(bool(flag & Flag.BREAK) for flag in range(256))
@@ -40,6 +41,7 @@ class Counters:
         self.faulty_characters = 0  # with any error, breaks included
         self.breaks = 0
         self.telegrams = 0  # good ones; of 3964R, blocks and not handshakes
+        self.pieces = 0  # other characters with a start character, as of telegrams without some characters
         self.damaged = 0  # telegrams with a wrong checksum
         self.longest_ns = 0  # longest interval inside any of these
         self.ascii_between = False  # whether words of the ASCII protocol were between telegrams of SIS
@@ -82,8 +84,9 @@ class Counters:
             self.telegrams += not record.checksum_bad
             self.damaged += record.checksum_bad
             self.longest_ns = max(self.longest_ns, longest_interval_ns(record))
-        elif record.type == Type.OTHER and record.framing == Framing.SIS and not self.ascii_between:
-            self.ascii_between = ASCII_WORD.search(record.data) is not None
+        elif record.type == Type.OTHER and record.framing == Framing.SIS:
+            self.pieces += START in record.data
+            self.ascii_between = self.ascii_between or ASCII_WORD.search(record.data) is not None
 
     def __str__(self) -> str:
         longest = interval_text(self.longest_ns) if self.longest_ns else "not known"
