@@ -9,18 +9,18 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict, deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from sistap.annotate.cutting import RecordCutter
-from sistap.annotate.notations import NOTATIONS, PAIRS, Notation, Numbers
+from sistap.annotate.notations import NOTATIONS, PAIRS, Numbers
 from sistap.annotate.reading import ANYTHING, ANYWHERE, Choice, ChosenReader, Contents, Prepared, places_of
 from sistap.annotate.textlog import LogLine
 from sistap.records.cut import SIS, Cut
 from sistap.records.record import Framing, Type
 from sistap.sis.telegram import STATIC_LENGTH, checksum_good
 
-LONGEST = 1 << 20  # characters of a log by which it is chosen
+LONGEST = 1 << 20  # bytes of a file by which it is chosen
 _LINES = 1000  # enough for a choice
 _PLACES = 8  # of a notation are tried: those with most bytes
 _JUDGED = (Framing.SIS, Framing.PROCEDURE_3964R)  # their frames have a checksum
@@ -37,18 +37,18 @@ class Score(NamedTuple):
 class AnyReader:
     """Reads the lines of a log in the notation that is right for it."""
 
-    def __init__(self, sample: Iterable[LogLine] | None = None, framing: Cut = SIS) -> None:
-        """Choose by the beginning of a file. Without it, choose as the lines come, and again while nothing is found."""
+    def __init__(self, sample: Sequence[LogLine] | None = None, framing: Cut = SIS) -> None:
+        """Choose by the beginning of a file. Without it, choose as the lines come; those before stay as they are."""
         self._framing = framing
-        self._kept: deque[LogLine] = deque(sample or ())
-        self._length = sum(len(line.text) for line in self._kept)
-        choice = choose(self._kept, framing)
-        self._reader = ChosenReader(choice or ANYTHING)
-        if sample is not None and not choice:
-            self._reader.choice = ANYTHING._replace(reads_few=_has_bytes(self._kept, framing))
-        self._is_open = sample is None or not choice
-        self._next = [2 * len(self._kept) or 1] * 2  # numbers of lines, and of those without bytes
-        self._came = [len(self._kept), 0]
+        self._kept = deque(sample or (), _LINES)
+        self._doubtful = 0  # lines that were read without a choice, or have numbers and nothing was read
+        self._reader = ChosenReader(ANYTHING)
+        self._is_chosen = False
+        if sample is not None:
+            self._choose(sample)
+            self._doubtful = len(self._kept)
+            if not self._is_chosen:
+                self._reader.choice = ANYTHING._replace(reads_few=_has_bytes(self._kept, framing))
 
     @property
     def notation(self) -> str:
@@ -57,32 +57,23 @@ class AnyReader:
 
     def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line."""
-        if self._is_open:
-            self._keep(line)
-            self._come(0)
-        contents = self._reader.contents(line)
-        if self._is_open and not contents.pieces and self._come(1):
-            contents = self._reader.contents(line)
-        return contents
-
-    def _keep(self, line: LogLine) -> None:
         self._kept.append(line)
-        self._length += len(line.text)
-        while self._length > LONGEST and len(self._kept) > 1:
-            self._length -= len(self._kept.popleft().text)
-            self._is_open = self._reader.choice.notations == ANYTHING.notations
+        if self._is_chosen and (contents := self._reader.contents(line)).pieces:
+            return contents
+        self._doubt(line)
+        return self._reader.contents(line)
 
-    def _come(self, what: int) -> bool:
-        """Count a line; choose again, and tell whether it is another choice, after one line, two, four ..."""
-        self._came[what] += 1
-        if self._came[what] < self._next[what]:
-            return False
-        self._next[what] *= 2
-        choice = choose(self._kept, self._framing)
-        if not choice or choice == self._reader.choice:
-            return False
-        self._reader.choice = choice
-        return True
+    def _doubt(self, line: LogLine) -> None:
+        """Choose again after one doubtful line, two, four, eight ..."""
+        if not self._is_chosen or any(map(str.isdigit, line.text)):
+            self._doubtful += 1
+            if not self._doubtful & (self._doubtful - 1):
+                self._choose(self._kept)
+
+    def _choose(self, lines: Iterable[LogLine]) -> None:
+        if choice := choose(lines, self._framing):
+            self._reader.choice = self._reader.choice.joined(choice) if self._is_chosen else choice
+            self._is_chosen = True
 
 
 def choose(lines: Iterable[LogLine], framing: Cut = SIS) -> Choice | None:
@@ -111,9 +102,6 @@ def _has_bytes(lines: Iterable[LogLine], framing: Cut) -> bool:
     return any(cut.record.type == Type.FRAME for cut in cutter.end())
 
 
-_Candidate = tuple[Notation, str | None]  # a place where a few bytes stand, or none
-
-
 class _Chooser:
     """Tries choices on a part of a log."""
 
@@ -135,17 +123,17 @@ class _Chooser:
         likely, unlikely = self._candidates()
         candidates = likely
         while True:
-            tried = [self._tried(_with(best, candidate)) for candidate in candidates]
+            tried = [self._tried(best.joined(candidate)) for candidate in candidates]
             better, choice = max(tried, key=lambda one: one[0], default=(score, best))
             if better.telegrams <= score.telegrams:
                 return best
             best, score = choice, better
-            candidates = likely + [one for one in unlikely if one[0] in best.notations or one[1] is None]
+            candidates = likely + [one for one in unlikely if one.notations[0] in best.notations or not one.places]
 
-    def _candidates(self) -> tuple[list[_Candidate], list[_Candidate]]:
+    def _candidates(self) -> tuple[list[Choice], list[Choice]]:
         """Return notations and places, those whose bytes have the beginning of a telegram apart."""
         text = "\n".join(one.masked for one in self._prepared)
-        found: tuple[list[_Candidate], list[_Candidate]] = [], []
+        found: tuple[list[Choice], list[Choice]] = [], []
         for notation in NOTATIONS:
             at: defaultdict[str, bytearray] = defaultdict(bytearray)
             everything = bytearray()
@@ -155,10 +143,11 @@ class _Chooser:
                 for run, place in zip(runs, places_of(one.masked, runs, wide), strict=True):
                     at[place] += run.data
                     everything += run.data
-            most = sorted(at, key=lambda place: -len(at[place]))[:_PLACES]
-            for where, data in [(None, everything), *((place, at[place]) for place in most), (ANYWHERE, everything)]:
+            most = sorted(filter(None, at), key=lambda place: -len(at[place]))[:_PLACES]
+            for where, data in [("", everything), *((place, at[place]) for place in most), (ANYWHERE, everything)]:
+                places = frozenset({(notation.name, where)} if where else ())
                 if data:
-                    found[not self._may_be(data)].append((notation, where))
+                    found[not self._may_be(data)].append(Choice((notation,), places))
         return found
 
     def _may_be(self, data: bytes) -> bool:
@@ -195,10 +184,3 @@ class _Chooser:
             wide = max(runs, key=lambda run: len(run.data), default=None)
             names.append(notation.name + (notation.separated(wide) if wide else ""))
         return "; ".join(names)
-
-
-def _with(choice: Choice, candidate: _Candidate) -> Choice:
-    """Add a notation, and a place."""
-    notation, where = candidate
-    notations = choice.notations if notation in choice.notations else (*choice.notations, notation)
-    return Choice(notations, choice.places | ({(notation.name, where)} if where is not None else set()))

@@ -37,8 +37,9 @@ DESCRIPTION = """\
 Explain a log. The input is any text with the bytes of SIS telegrams. The output is the same text with an explanation
 below each telegram. The explanations come from Wireshark's dissector: install tshark with the plugin or sis.lua.
 
-sistap reads bytes as programs write them: "02 E1", "0x02,0xE1", "02E1", \\x02\\xE1, "002 225", "W#16#02E1". Lines may
-have offsets and a column of characters. A telegram may go over several lines, and a line may hold several telegrams.
+sistap reads bytes as programs write them: "02 E1", "0x02,0xE1", "02E1", \\x02\\xE1, "2-225", "W#16#02E1" and others. It
+takes the notation that makes telegrams with right checksums, and names it. Lines may have offsets and a column of
+characters. A telegram may go over several lines, and a line may hold several telegrams.
 sistap uses time stamps and direction marks if the log has them. The log itself is copied byte for byte. The added lines
 begin with blanks and "^--". Of a file with the bytes themselves, the output has a line for each telegram. With
 --framing ascii, a log may also be the text of a terminal program, with or without times in front.

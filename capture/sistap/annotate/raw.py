@@ -33,7 +33,7 @@ def is_raw(beginning: bytes, framing: Cut) -> bool:
     if framing.framing == Framing.SILENCE or beginning == beginning.translate(None, _CONTROLS):
         return False
     return _telegrams(beginning, RawCutter(framing), RawReader(), framing) > _telegrams(
-        beginning, LineCutter(), AnyReader(lines([beginning]), framing), framing
+        beginning, LineCutter(), AnyReader([*lines([beginning])], framing), framing
     )
 
 

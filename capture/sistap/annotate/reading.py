@@ -101,6 +101,12 @@ class Choice(NamedTuple):
     reads_few: bool = True  # a few bytes are read, too, if a line has nothing else
     name: str = ""  # for a message, if it is not the usual one
 
+    def joined(self, other: Choice) -> Choice:
+        """Return both."""
+        notations = dict.fromkeys((*self.notations, *other.notations))
+        name = "; ".join(dict.fromkeys(name for name in (self.name, other.name) if name))
+        return Choice((*notations,), self.places | other.places, name=name)
+
 
 ANYTHING = Choice(tuple(notation for notation in NOTATIONS if notation.is_plain))
 

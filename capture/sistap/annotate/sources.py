@@ -75,7 +75,7 @@ def look(log: str, framing: Cut, reader: LogReader | None = None) -> Source:
     _check_text(log, beginning)
     if not reader and framing == ASCII and is_session(beginning):
         reader = SessionReader()
-    return Source(log, reader or AnyReader(lines([beginning]), framing), is_pipe=False)
+    return Source(log, reader or AnyReader([*lines([beginning])], framing), is_pipe=False)
 
 
 def _check_text(log: str, beginning: bytes) -> None:
