@@ -53,7 +53,8 @@ sis.prefs.dlt_user = Pref.enum("Decode a user link type as SIS", -1,
   {"user10", "USER10 (157)", 10}, {"user11", "USER11 (158)", 11}, {"user12", "USER12 (159)", 12},
   {"user13", "USER13 (160)", 13}, {"user14", "USER14 (161)", 14}, {"user15", "USER15 (162)", 15}}, false)
 sis.prefs.tcp_heuristic = Pref.bool("Recognize SIS on any TCP port", true,
-  "Where a segment starts with a whole telegram: equal lengths, right checksum")
+  "Where a segment starts with a whole telegram: equal lengths, right checksum; or with a command of "
+    .. "the ASCII protocol")
 sis.prefs.udp_heuristic = Pref.bool("Recognize SIS on any UDP port", false,
   "The same for a datagram. Process data of a PPC may look like a telegram by chance")
 local p3964r = Proto("3964r", "3964R procedure")
@@ -3677,7 +3678,7 @@ do
 
   -- TCP may split telegrams over segments and pack them into one: sis-transports.
   function sis.dissector(tvb, pinfo, tree)
-    if pinfo.port_type ~= 0 and S.is_before_sis(pinfo) then return 0 end
+    if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
     if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_segment(tvb, pinfo, tree) end
     if packet.record and packet.record.type == K.SERTAP_EVENT then return S.dissect_before(tvb, pinfo, tree) end
     dissect_telegrams(tvb, pinfo, tree)
@@ -11291,6 +11292,27 @@ do
     end
   end
 
+  local recognized_in -- for each connection: the first packet of ours
+
+  at_init(function() recognized_in = {} end)
+
+  -- Gives a connection to a dissector from this packet on.
+  function S.recognize(tvb, pinfo, tree, proto)
+    local connection = S.connection(pinfo)
+
+    recognized_in[connection] = recognized_in[connection] or pinfo.number
+    pinfo.conversation = proto
+    proto.dissector(tvb, pinfo, tree)
+    return true
+  end
+
+  -- Everything before was something else, in the second pass, too.
+  function S.is_before(pinfo)
+    local first = recognized_in[S.connection(pinfo)]
+
+    return first and pinfo.number < first
+  end
+
   -- The info column may have text: of another unit of this packet, or of TCP, which ends with a space.
   function S.separator(info)
     local last = sub(tostring(info), -1)
@@ -11869,7 +11891,20 @@ do
     return tvb:len()
   end
 
+  -- A segment that begins with a whole command: no other protocol has such lines.
+  local function dissect_heuristic(tvb, pinfo, tree)
+    local bytes = tvb:raw()
+    local length = P.tcp_heuristic and line_length(bytes, pinfo, 0) or 0
+    local text, line_end = match(sub(bytes, 1, length), "^(.-)([\r\n]*)$")
+    local kind = line_end ~= "" and read_line(S.text(text)).kind
+
+    return (kind == OPEN or kind == READ or kind == WRITE) and S.recognize(tvb, pinfo, tree, sisascii)
+  end
+
+  sisascii:register_heuristic("tcp", dissect_heuristic)
+
   function sisascii.dissector(tvb, pinfo, tree)
+    if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
     S.begin_packet(pinfo)
     if packet.port_type == K.PORT_TYPE_TCP then
       S.segments_dissect(tvb, pinfo, tree, line_length, dissect_tcp_line, "SISASCII")
@@ -11952,19 +11987,6 @@ do
     return S.is_good(bytes, 0) and (declared == #bytes or byte(bytes, declared + 1) == K.START)
   end
 
-  local recognized_in = {} -- for each connection: the first packet of SIS
-
-  at_init(function() recognized_in = {} end)
-
-  local function recognize(tvb, pinfo, tree)
-    local connection = S.connection(pinfo)
-
-    recognized_in[connection] = recognized_in[connection] or pinfo.number
-    pinfo.conversation = sis
-    sis.dissector(tvb, pinfo, tree)
-    return true
-  end
-
   local function dissect_tcp_heuristic(tvb, pinfo, tree)
     local bytes = tvb:raw()
 
@@ -11972,18 +11994,11 @@ do
     if not P.tcp_heuristic or pinfo.src_port == SIP_PORT or pinfo.dst_port == SIP_PORT or not is_sis(bytes) then
       return false
     end
-    return recognize(tvb, pinfo, tree)
+    return S.recognize(tvb, pinfo, tree, sis)
   end
 
   local function dissect_udp_heuristic(tvb, pinfo, tree)
-    return P.udp_heuristic and is_sis(tvb:raw()) and recognize(tvb, pinfo, tree)
-  end
-
-  -- Everything before the packet in which SIS was recognised was something else, in the second pass, too.
-  function S.is_before_sis(pinfo)
-    local first = recognized_in[S.connection(pinfo)]
-
-    return first and pinfo.number < first
+    return P.udp_heuristic and is_sis(tvb:raw()) and S.recognize(tvb, pinfo, tree, sis)
   end
 
   S.dissect_segment = dissect_segment

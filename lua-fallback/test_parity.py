@@ -126,7 +126,10 @@ def test_the_bytes_of_a_telegram_have_a_source_of_their_own(plugin: Tshark, scri
 # name of a heuristic.
 DIFFERENT = {
     "fields": {name: ("BASE_NONE", "BASE_DEC") for name in ("sis.checksum.status", "3964r.bcc.status")},
-    "heuristic-decodes": {"sis": ("SIS over (TCP|UDP)", "SIS")},
+    "heuristic-decodes": {
+        "sis": ("SIS over (TCP|UDP)", "SIS"),
+        "sisascii": ("SIS ASCII over TCP", "SISASCII"),
+    },
     "dissector-tables": {"sertap.framing": ("Decode As supported", "Decode As not supported")},
 }
 OURS = re.compile(r"(^|\t)(sis|sisascii|sertap|synax\w*|3964r|rk512i|arcnet7f)([.\t]|$)")

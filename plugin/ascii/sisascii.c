@@ -25,6 +25,7 @@
 #define MS               INT64_C(1000000)
 
 static int sisascii_tap = -1;
+static dissector_handle_t tcp_handle;
 
 /* A line being decoded. */
 typedef struct {
@@ -592,6 +593,22 @@ dissect_tcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
     return sis_segments_dissect(tvb, pinfo, tree, line_length, dissect_tcp_line, data);
 }
 
+/* A segment that begins with a whole command: no other protocol has such lines. */
+static compat_bool
+dissect_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
+{
+    bool is_asked = pref_sis_tcp_heuristic && tvb_captured_length(tvb) > 0;
+    unsigned length = is_asked ? line_length(pinfo, tvb, 0, NULL) : 0;
+    sisascii_said_t said = {0};
+
+    if (length == 0 || !is_end(compat_get_uint8(tvb, length - 1)))
+        return FALSE;
+    said.text = sis_text(pinfo->pool, tvb, 0, length_without_end(tvb_new_subset_length(tvb, 0, length)));
+    read_line(&said);
+    return (said.kind == SISASCII_OPEN || said.kind == SISASCII_READ || said.kind == SISASCII_WRITE) &&
+           sis_recognize(tvb, pinfo, tree, tcp_handle);
+}
+
 void
 sisascii_register(void)
 {
@@ -603,5 +620,8 @@ void
 sisascii_handoff(void)
 {
     dissector_add_uint("sertap.framing", 2, find_dissector("sisascii"));
-    dissector_add_for_decode_as("tcp.port", create_dissector_handle(dissect_tcp, proto_sisascii));
+    tcp_handle = create_dissector_handle(dissect_tcp, proto_sisascii);
+    dissector_add_for_decode_as("tcp.port", tcp_handle);
+    heur_dissector_add("tcp", dissect_heuristic, "SIS ASCII over TCP", "sisascii_tcp", proto_sisascii,
+                       HEURISTIC_ENABLE);
 }

@@ -134,6 +134,14 @@ sis_segments_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
     return (int)there;
 }
 
+compat_bool
+sis_recognize(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, dissector_handle_t handle)
+{
+    conversation_set_dissector_from_frame_number(find_or_create_conversation(pinfo), pinfo->num, handle);
+    call_dissector(handle, tvb, pinfo, tree);
+    return TRUE;
+}
+
 void
 sis_separate(packet_info *pinfo)
 {

@@ -18,6 +18,10 @@ int sis_segments_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
 /* Notes whether a segment begins with a negotiation of Telnet. Also for one that nobody dissects yet. */
 void sis_segments_look(tvbuff_t *tvb, packet_info *pinfo);
 
+/* Gives a connection to a dissector from this packet on: earlier bytes were something else, in the second
+ * pass, too. */
+compat_bool sis_recognize(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, dissector_handle_t handle);
+
 /* Begins the info of a unit. There may be text: of another unit of this packet, or of TCP, which ends with a
  * space. */
 void sis_separate(packet_info *pinfo);

@@ -2,7 +2,6 @@
 /* Sources of SIS telegrams besides the serial tap: TCP, UDP, RTAC serial captures, a user link type. */
 #include "parts.h"
 
-#include <epan/conversation.h>
 #include <wiretap/wtap.h>
 
 #include "protocol/fields.h"
@@ -98,28 +97,19 @@ is_sis(tvbuff_t *tvb)
            (declared == tvb_captured_length(tvb) || compat_get_uint8(tvb, declared) == SIS_START);
 }
 
-/* From here on: earlier bytes were something else, in the second pass, too. */
-static compat_bool
-recognize(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, dissector_handle_t handle)
-{
-    conversation_set_dissector_from_frame_number(find_or_create_conversation(pinfo), pinfo->num, handle);
-    call_dissector(handle, tvb, pinfo, tree);
-    return TRUE;
-}
-
 static compat_bool
 dissect_tcp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
     sis_segments_look(tvb, pinfo);
     if (!pref_sis_tcp_heuristic || pinfo->srcport == SIP_PORT || pinfo->destport == SIP_PORT || !is_sis(tvb))
         return FALSE;
-    return recognize(tvb, pinfo, tree, tcp_handle);
+    return sis_recognize(tvb, pinfo, tree, tcp_handle);
 }
 
 static compat_bool
 dissect_udp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
-    return pref_sis_udp_heuristic && is_sis(tvb) && recognize(tvb, pinfo, tree, sis_handle);
+    return pref_sis_udp_heuristic && is_sis(tvb) && sis_recognize(tvb, pinfo, tree, sis_handle);
 }
 
 /* An entry of "wtap_encap" silently overrides the user's own DLT_USER table. So none is made unless
