@@ -89,7 +89,7 @@ def complete(units: list[Unit], end: int) -> Iterator[str]:
 def write(path: Path, streams: list[list[Unit]], source: random.Random) -> list[list[str]]:
     """Write a capture of connections: each stream cut in several ways. Return what each of them must say."""
     blocks = [pcapng.section_header("", ""), pcapng.interface_description(pcapng.Interface(LINKTYPE_RAW_IPV4, "tcp"))]
-    expected = []
+    expected: list[list[str]] = []
     for units in streams:
         stream = b"".join(unit.data for unit in units)
         for longest in (1, 3, 8, 30, len(stream)):
