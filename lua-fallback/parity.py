@@ -51,8 +51,9 @@ def without_allowed(packet: str) -> str:
     """Return a packet without the permitted differences."""
     for pattern, same in ALLOWED:
         packet = pattern.sub(same, packet)
-    if '<proto name="sis"' not in packet:  # with that hidden item, Wireshark names a protocol of which it shows nothing
-        packet = packet.replace(':sis"', '"')
+    for name in ("sis", "sisascii"):  # with that hidden item, Wireshark names a protocol of which it shows nothing
+        if f'<proto name="{name}"' not in packet:
+            packet = packet.replace(f':{name}"', '"')
     return packet
 
 

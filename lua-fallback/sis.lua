@@ -53,7 +53,10 @@ sis.prefs.dlt_user = Pref.enum("Decode a user link type as SIS", -1,
   {"user10", "USER10 (157)", 10}, {"user11", "USER11 (158)", 11}, {"user12", "USER12 (159)", 12},
   {"user13", "USER13 (160)", 13}, {"user14", "USER14 (161)", 14}, {"user15", "USER15 (162)", 15}}, false)
 sis.prefs.tcp_heuristic = Pref.bool("Recognize SIS on any TCP port", true,
-  "Where a segment starts with a whole telegram: equal lengths, right checksum")
+  "Where a segment starts with a whole telegram: equal lengths, right checksum; or with a command of "
+    .. "the ASCII protocol")
+sis.prefs.udp_heuristic = Pref.bool("Recognize SIS on any UDP port", false,
+  "The same for a datagram. Process data of a PPC may look like a telegram by chance")
 local p3964r = Proto("3964r", "3964R procedure")
 p3964r.prefs.zvz_ms = Pref.uint("ZVZ in ms", 220, "Longest interval between two characters of a block; 0: no verdict")
 p3964r.prefs.qvz_ms = Pref.uint("QVZ in ms", 2000, "Longest time to the partner's answer; 0: no verdict")
@@ -81,7 +84,7 @@ local protos = {["sertap"] = sertap, ["sis"] = sis, ["3964r"] = p3964r, ["rk512i
   ["sisascii"] = sisascii} -- by filter name
 
 local P = {edition = 0, clc_as_sercos = false, ecodrive_phases = false, tza_ms = 0, tza_from = 0, trs_ms = 0, dlt_user
-  = -1, tcp_heuristic = true} -- values of the preferences of sis
+  = -1, tcp_heuristic = true, udp_heuristic = false} -- values of the preferences of sis
 -- end of protocols
 
 -- Functions shared by blocks, with their names in the C headers: S.take for sis_take(), T.load for sertap_load().
@@ -3675,7 +3678,8 @@ do
 
   -- TCP may split telegrams over segments and pack them into one: sis-transports.
   function sis.dissector(tvb, pinfo, tree)
-    if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_tcp(tvb, pinfo, tree) end
+    if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
+    if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_segment(tvb, pinfo, tree) end
     if packet.record and packet.record.type == K.SERTAP_EVENT then return S.dissect_before(tvb, pinfo, tree) end
     dissect_telegrams(tvb, pinfo, tree)
   end
@@ -5108,7 +5112,7 @@ do
 
   -- First pass: the line or connection of a packet.
   function S.exchange_bus(pinfo)
-    local is_connection = packet.port_type == K.PORT_TYPE_TCP
+    local is_connection = packet.port_type ~= 0
     local known = is_connection and connections or lines
     local key = is_connection and S.connection(pinfo) or T.bus_key()
 
@@ -11186,6 +11190,137 @@ do
   DissectorTable.get("udp.port"):add_for_decode_as(synaxpd)
 end
 
+--- sis/segments: the characters of a serial line that come over TCP. A terminal server may speak Telnet (RFC 854; RFC
+-- 2217 sets the line's rate by it): it begins with a negotiation. From then on each FF is doubled, and commands stand
+-- anywhere between the characters.
+
+do
+  local IAC, SB, WILL, DO = 0xFF, 0xFA, 0xFB, 0xFD
+  local COMMAND_END = "\255\240" -- IAC SE
+  local COM_PORT = 0x2C -- the option of RFC 2217; what else serial lines need has smaller numbers
+  local MOST_COMMAND = 64 -- a longer one is damage: its end was lost
+  local find = string.find
+
+  local telnet_from -- for each connection: the packet from which on it is Telnet
+
+  at_init(function() telnet_from = {} end)
+
+  -- Of the command at offset; more than there is: its end is missing. 0: a character, FF FF included.
+  local function command_length(bytes, offset)
+    local there = #bytes - offset
+    local first, verb = byte(bytes, offset + 1, offset + 2)
+
+    if first ~= IAC then return 0 end
+    if there == 1 then return 2 end
+    if verb == IAC then return 0 end
+    if verb ~= SB then return verb > SB and 3 or 2 end
+    local _, last = find(sub(bytes, offset + 1, offset + MOST_COMMAND), COMMAND_END, 3, true)
+
+    return last or (there < MOST_COMMAND and there + 1 or 2)
+  end
+
+  -- Noise of a line begins so in one segment of 180,000.
+  local function is_negotiation(bytes)
+    local first, verb, option = byte(bytes, 1, 3)
+
+    if first ~= IAC or not option then return false end
+    return verb == SB and option == COM_PORT or (verb == WILL or verb == DO) and option <= COM_PORT
+  end
+
+  -- Notes whether a segment begins with a negotiation of Telnet. Also for one that nobody dissects yet.
+  function S.segments_look(bytes, pinfo)
+    if not is_negotiation(bytes) then return end
+    local connection = S.connection(pinfo)
+
+    telnet_from[connection] = telnet_from[connection] or pinfo.number
+  end
+
+  -- What is left of a segment; where each character stands in it, from 0, then what is no character yet; the end of
+  -- what is whole.
+  local function characters_of(bytes)
+    local values, places, at = {}, {}, 0
+
+    while at < #bytes do
+      local length = command_length(bytes, at)
+
+      if length > #bytes - at then break end
+      if length == 0 then
+        places[#values], values[#values + 1] = at, sub(bytes, at + 1, at + 1)
+        length = byte(bytes, at + 1) == IAC and 2 or 1
+      end
+      at = at + length
+    end
+    places[#values] = at
+    return concat(values), places, at
+  end
+
+  -- If the capture has cut a segment between two units, TCP throws an error without a message.
+  local function dissect_units(tvb, pinfo, tree, length_of, dissect_unit, name)
+    local bytes = tvb:raw()
+    local is_done, message = pcall(dissect_tcp_pdus, tvb, tree, 1,
+      function(_, of, offset) return length_of(bytes, of, offset) end, dissect_unit)
+
+    if message then error(message, 0) end
+    if not is_done then S.show_cut(tvb, pinfo, tree, name) end
+  end
+
+  local function wait_for_more(pinfo, offset)
+    pinfo.desegment_offset, pinfo.desegment_len = offset, DESEGMENT_ONE_MORE_SEGMENT
+  end
+
+  -- Dissects each unit. length_of() says how long the one at an offset is, or 0 if more bytes are needed.
+  function S.segments_dissect(tvb, pinfo, tree, length_of, dissect_unit, name)
+    local bytes = tvb:raw()
+    local places, last = nil, #bytes
+
+    S.segments_look(bytes, pinfo)
+    local from = telnet_from[S.connection(pinfo)]
+
+    if from and from <= pinfo.number then
+      local left
+
+      left, places, last = characters_of(bytes)
+      tvb = left ~= "" and ByteArray.new(left, true):tvb("Characters without Telnet") or nil
+    elseif pinfo.can_desegment > 0 and command_length(bytes, 0) > #bytes then
+      tvb, last = nil, 0
+    end
+    if tvb then dissect_units(tvb, pinfo, tree, length_of, dissect_unit, name) end
+    if pinfo.desegment_len > 0 and places then
+      wait_for_more(pinfo, places[pinfo.desegment_offset]) -- nobody knows how many bytes that takes
+    elseif pinfo.desegment_len == 0 and pinfo.can_desegment > 0 and last < #bytes then
+      wait_for_more(pinfo, last)
+    end
+  end
+
+  local recognized_in -- for each connection: the first packet of ours
+
+  at_init(function() recognized_in = {} end)
+
+  -- Gives a connection to a dissector from this packet on.
+  function S.recognize(tvb, pinfo, tree, proto)
+    local connection = S.connection(pinfo)
+
+    recognized_in[connection] = recognized_in[connection] or pinfo.number
+    pinfo.conversation = proto
+    proto.dissector(tvb, pinfo, tree)
+    return true
+  end
+
+  -- Everything before was something else, in the second pass, too.
+  function S.is_before(pinfo)
+    local first = recognized_in[S.connection(pinfo)]
+
+    return first and pinfo.number < first
+  end
+
+  -- The info column may have text: of another unit of this packet, or of TCP, which ends with a space.
+  function S.separator(info)
+    local last = sub(tostring(info), -1)
+
+    return (last == "" or last == " ") and "" or " | "
+  end
+end
+
 --- ascii/exchange: command, echo and answer of the ASCII protocol. A drive echoes each line but the one that opens it.
 -- Its answer ends with its prompt, or with "?" while it waits for an element of a list (MPH-02, p. 10-86 to 10-91).
 -- Between a command and its answer, the same line once more is its echo; a shared line does not show who sent it.
@@ -11195,11 +11330,11 @@ do
   local WRITE, ELEMENT, ASKS, ERROR = K.SISASCII_WRITE, K.SISASCII_ELEMENT, K.SISASCII_ASKS, K.SISASCII_ERROR
   local ECHO, ANSWER, END = K.SISASCII_ECHO, K.SISASCII_ANSWER, K.SISASCII_END
 
-  -- Of both directions: {command: the last one, list: the write whose elements are expected, is_asked: for the next of
-  -- them, is_mute: what seemed to be an echo was a repeat: nobody echoes now, drive: that is open}. A command: {said,
-  -- list, body: for what is known of its parameter, values, frame, answer_in, end_in, next_in, unanswered_before,
-  -- repeat_of, error, is_echoed, drive, line, finish, finish_earliest}. A unit: {kind, command, is_first, index,
-  -- elapsed, span, drive, limit}.
+  -- Of both directions of a tap, or of a TCP connection: {command: the last one, list: the write whose elements are
+  -- expected, is_asked: for the next of them, is_mute: what seemed to be an echo was a repeat: nobody echoes now,
+  -- drive: that is open}. A command: {said, list, body: for what is known of its parameter, values, frame, answer_in,
+  -- end_in, next_in, unanswered_before, repeat_of, error, is_echoed, drive, line, finish, finish_earliest}. A unit:
+  -- {kind, command, is_command, is_first, index, elapsed, span, drive, limit}.
   local buses, units
 
   at_init(function() buses, units = {}, {} end)
@@ -11217,7 +11352,7 @@ do
     local command = n.bus.command
 
     return can_answer(n, command) and is_waiting(command) and is_same(n, command) and not command.is_echoed
-      and command.kind ~= OPEN and (n.line ~= 0 or not n.bus.is_mute)
+      and (n.line ~= 0 or not n.bus.is_mute and command.kind ~= OPEN)
   end
 
   -- Characters that were lost or damaged since may have been the answer.
@@ -11243,7 +11378,7 @@ do
     local command = {said = n.said, kind = kind, values = {}, frame = packet.number, line = n.line,
       finish = times.end_, finish_earliest = times.end_earliest}
 
-    n.unit.kind, n.unit.command = kind, command
+    n.unit.kind, n.unit.command, n.unit.is_command = kind, command, true
     follow(n, command)
     command.drive = n.bus.drive
     n.bus.command, n.bus.is_asked = command, false
@@ -11370,18 +11505,26 @@ do
     if limit and limit.is_by_user then n.unit.limit = limit end
   end
 
+  -- Who has sent it: one of the two lines of a tap, or ends of a connection; 0: nobody knows.
+  local function line_of(pinfo)
+    if packet.record then return packet.record.line end
+    return packet.port_type == K.PORT_TYPE_TCP and (pinfo.src_port > pinfo.dst_port and 2 or 1) or 0
+  end
+
   -- The line of this packet; found in the first pass, and kept.
   function S.ascii_find(pinfo, said, times)
-    local unit, key = units[packet.number], T.bus_key()
+    local key = packet.count * 0x100000000 + packet.number -- TCP may pack several into a packet
+    local unit = units[key]
 
+    packet.count = packet.count + 1
     if unit then return unit end
     unit = {kind = said.kind}
-    units[packet.number] = unit
+    units[key] = unit
     if packet.visited then return unit end
     effects = effects + 1
-    buses[key] = buses[key] or {}
-    local n = {said = said, times = times, unit = unit, bus = buses[key], sis_bus = S.exchange_bus(pinfo),
-      line = packet.record and packet.record.line or 0}
+    local bus = S.exchange_bus(pinfo)
+    buses[bus] = buses[bus] or {}
+    local n = {said = said, times = times, unit = unit, bus = buses[bus], sis_bus = bus, line = line_of(pinfo)}
 
     find_limit(n)
     if is_echo(n) then
@@ -11403,6 +11546,9 @@ do
   local ECHO, ANSWER = K.SISASCII_ECHO, K.SISASCII_ANSWER
   local LARGEST_ADDRESS = 255
   local SHOWN_CHARACTERS = 80
+  local find = string.find
+  local MOST_LINE = 4096 -- as in capture/sistap/records/framer.py
+  local ANY_TEXT = "[ -~\t\160-\255]" -- Latin-1, as drives write "°C"
   local MS = 1000000 -- in ns
 
   -- A drive between two words: BCD:21, E21:>.
@@ -11553,8 +11699,8 @@ do
   -- Which drive a line is for; at that place if it says so itself.
   local function show_drive(line)
     local said = line.said
-    local is_here = said.drive ~= nil
-    local drive = said.drive or line.unit.drive
+    local is_here = said.drive ~= nil and line.unit.kind ~= ECHO
+    local drive = is_here and said.drive or line.unit.drive
 
     if not drive then return end
     local item = add(line.tree, FX.sisascii_drive, line.tvb, is_here and said.at or 0, is_here and said.digits or 0,
@@ -11645,7 +11791,7 @@ do
     local command = line.unit.command
 
     if not command then return end
-    if command.frame == packet.number then
+    if line.unit.is_command then
       show_command(line, command)
       return
     end
@@ -11688,17 +11834,37 @@ do
     S.tell_access(access, line.tvb, line.tree)
   end
 
-  function sisascii.dissector(tvb, pinfo, tree)
-    if not packet.record or packet.number ~= pinfo.number then look_at(pinfo) end
+  -- For S.segments_dissect(). Who ends lines with CR alone waits for the answer, so LF is not waited for.
+  local function line_length(bytes, pinfo, offset)
+    local there, first = min(#bytes - offset, MOST_LINE), offset + 1
+    local _, last = find(bytes, "^%?", first)
+
+    if not last then _, last = find(bytes, "^E%d%d?%d?:>", first) end
+    if last then return last - offset end
+    _, last = find(bytes, "^" .. ANY_TEXT .. "*", first)
+    if last - offset >= there then return pinfo.can_desegment > 0 and there < MOST_LINE and 0 or there end
+    local _, line_end = find(bytes, "^\r?\n?", last + 1)
+
+    if line_end == last then _, line_end = find(bytes, "^[^" .. sub(ANY_TEXT, 2, -2) .. "\r\n]+", last + 1) end
+    return min(line_end - offset, there)
+  end
+
+  -- Cut by the capture, or noise of the line: it may have said something else.
+  local function is_whole(bytes, there)
+    return #bytes == there and (#bytes == 0 or find(bytes, "[" .. sub(ANY_TEXT, 2, -2) .. "\r\n]$") ~= nil)
+  end
+
+  local function dissect_line(tvb, pinfo, tree)
     local root = tree and tree:add(sisascii, tvb())
-    local bytes, there = match(tvb:raw(), "^(.-)[\r\n]*$"), T.reported_len(tvb)
+    local raw, there = tvb:raw(), T.reported_len(tvb)
+    local bytes = match(raw, "^(.-)[\r\n]*$")
     local line = {tvb = tvb, tree = root, root = root, length = #bytes, words = "", marks = "",
       times = S.times(tvb, there, there)}
 
-    if tvb:len() == there then
+    if is_whole(raw, there) then
       line.said = read_line(S.text(bytes))
       line.unit = S.ascii_find(pinfo, line.said, line.times)
-    else -- cut by the capture: it may say something else
+    else
       line.said, line.unit = {text = S.text(bytes)}, {kind = TEXT}
     end
     set_generated(add(root, FX.sisascii_kind, tvb, 0, 0, line.unit.kind))
@@ -11707,16 +11873,50 @@ do
     show_links(line)
     tell_access(line, pinfo)
     local words = N.ascii_kinds[line.unit.kind] .. line.words
+    local cols = pinfo.cols
 
     append_text(root, ", " .. words)
-    pinfo.cols.protocol = "SISASCII"
-    pinfo.cols.info = words .. line.marks
+    cols.protocol = "SISASCII"
+    cols.info:clear()
+    cols.info:append(S.separator(cols.info) .. words .. line.marks)
     return tvb:len()
   end
 
+  -- LF alone may belong to the line before, whose CR ended it; an empty line says nothing.
+  local function dissect_tcp_line(tvb, pinfo, tree)
+    if find(tvb:raw(), "[^\r\n]") then
+      dissect_line(tvb, pinfo, tree)
+      pinfo.cols.info:fence()
+    end
+    return tvb:len()
+  end
+
+  -- A segment that begins with a whole command: no other protocol has such lines.
+  local function dissect_heuristic(tvb, pinfo, tree)
+    local bytes = tvb:raw()
+    local length = P.tcp_heuristic and line_length(bytes, pinfo, 0) or 0
+    local text, line_end = match(sub(bytes, 1, length), "^(.-)([\r\n]*)$")
+    local kind = line_end ~= "" and read_line(S.text(text)).kind
+
+    return (kind == OPEN or kind == READ or kind == WRITE) and S.recognize(tvb, pinfo, tree, sisascii)
+  end
+
+  sisascii:register_heuristic("tcp", dissect_heuristic)
+
+  function sisascii.dissector(tvb, pinfo, tree)
+    if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
+    S.begin_packet(pinfo)
+    if packet.port_type == K.PORT_TYPE_TCP then
+      S.segments_dissect(tvb, pinfo, tree, line_length, dissect_tcp_line, "SISASCII")
+    else
+      dissect_line(tvb, pinfo, tree)
+    end
+    return tvb:len()
+  end
 end
 
---- sis/transports: where SIS telegrams come from besides the serial tap: TCP, RTAC serial captures, a user link type
+--- sis/transports: where SIS telegrams come from besides the serial tap: TCP, UDP, RTAC serial captures, a user link
+-- type
 
 do
   local SIP_PORT = 35021 -- S/IP, another protocol of the same drives
@@ -11738,31 +11938,24 @@ do
     return DAMAGED, declared
   end
 
-  -- For dissect_tcp_pdus(): the length of the telegram at offset. Without a telegram (a segment was lost, the capture
-  -- began in the middle): the length up to the next good one. A damaged telegram also ends where another one begins: if
-  -- a character was lost, its length counts the first one of the next. 0 if more bytes are needed.
-  local function telegram_length(tvb, pinfo, offset)
+  -- For S.segments_dissect(): the length of the telegram at offset; 0 if more bytes are needed. Without a telegram (a
+  -- segment was lost, the capture began in the middle): the length up to the next one. A damaged telegram also ends
+  -- where another one begins: if a character was lost, its length counts the first one of the next.
+  local function telegram_length(bytes, _, offset)
+    data = bytes
     local first, declared = examine(offset)
-    local rest, start = tvb:reported_len() - offset, offset + 1
+    local rest, start = #data - offset, offset + 1
 
-    if first == INCOMPLETE and can_wait and declared == 0 then return pinfo.can_desegment > 0 and 0 or rest end
     if first == GOOD or (first == INCOMPLETE and can_wait) then return declared end
     if first == DAMAGED then rest = declared end
     while true do
       start = string.find(data, char(K.START), start + 1, true)
       if not start or start - 1 - offset >= rest then return rest end
       local other, length = examine(start - 1)
-      local is_awaited = first == DAMAGED and other == INCOMPLETE and length > 0
+      local is_awaited = other == INCOMPLETE and (first ~= DAMAGED or length > 0)
 
       if other == GOOD or (is_awaited and can_wait) then return start - 1 - offset end
     end
-  end
-
-  -- The info column may have text: another telegram of this packet, or TCP's text, which ends with a space.
-  local function separator(info)
-    local last = sub(tostring(info), -1)
-
-    return (last == "" or last == " ") and "" or " | "
   end
 
   -- SIS writes the columns only if a telegram ends here; TCP describes a segment with just a part. The fence keeps
@@ -11773,20 +11966,17 @@ do
     cols.protocol = "SIS"
     cols.info:clear()
     local words = S.dissect_telegram(tvb, tvb:raw(), pinfo, tree, tvb:reported_len())
-    cols.info:append(separator(cols.info) .. words)
+    cols.info:append(S.separator(cols.info) .. words)
     if tvb:len() < tvb:reported_len() then S.show_cut(tvb, pinfo, tree, "SIS") end
     cols.info:fence()
     return tvb:len()
   end
 
-  -- Telegrams split over segments and packed into them. If the capture has cut a segment between two telegrams, TCP
-  -- throws an error without a message.
+  -- Telegrams split over segments and packed into them.
   local function dissect_segment(tvb, pinfo, tree)
     S.begin_packet(pinfo)
-    data, can_wait = tvb:raw(), true
-    local is_done, message = pcall(dissect_tcp_pdus, tvb, tree, 1, telegram_length, dissect_pdu)
-    if message then error(message, 0) end
-    if not is_done then S.show_cut(tvb, pinfo, tree, "SIS") end
+    can_wait = pinfo.can_desegment > 0
+    S.segments_dissect(tvb, pinfo, tree, telegram_length, dissect_pdu, "SIS")
   end
 
   -- USIP and others also start with 0x02. So only a whole telegram with equal lengths and a zero checksum counts, and
@@ -11797,30 +11987,21 @@ do
     return S.is_good(bytes, 0) and (declared == #bytes or byte(bytes, declared + 1) == K.START)
   end
 
-  local recognized_in = {} -- for each connection: the first packet of SIS
-
-  at_init(function() recognized_in = {} end)
-
   local function dissect_tcp_heuristic(tvb, pinfo, tree)
-    if not P.tcp_heuristic or pinfo.src_port == SIP_PORT or pinfo.dst_port == SIP_PORT or not is_sis(tvb:raw()) then
+    local bytes = tvb:raw()
+
+    S.segments_look(bytes, pinfo)
+    if not P.tcp_heuristic or pinfo.src_port == SIP_PORT or pinfo.dst_port == SIP_PORT or not is_sis(bytes) then
       return false
     end
-    local connection = S.connection(pinfo)
-
-    recognized_in[connection] = recognized_in[connection] or pinfo.number
-    pinfo.conversation = sis
-    dissect_segment(tvb, pinfo, tree)
-    return true
+    return S.recognize(tvb, pinfo, tree, sis)
   end
 
-  -- Everything before the packet in which SIS was recognised was something else, in the second pass, too: then 0.
-  function S.dissect_tcp(tvb, pinfo, tree)
-    local first = recognized_in[S.connection(pinfo)]
-
-    if first and pinfo.number < first then return 0 end
-    dissect_segment(tvb, pinfo, tree)
-    return tvb:len()
+  local function dissect_udp_heuristic(tvb, pinfo, tree)
+    return P.udp_heuristic and is_sis(tvb:raw()) and S.recognize(tvb, pinfo, tree, sis)
   end
+
+  S.dissect_segment = dissect_segment
 
   -- An entry of "wtap_encap" silently overrides the user's own DLT_USER table. So none is made unless requested, and
   -- the link type is returned to that table afterwards. For each file, and not when preferences are applied.
@@ -11849,6 +12030,9 @@ do
   DissectorTable.get("sertap.framing"):add(1, p3964r)
   DissectorTable.get("sertap.framing"):add(2, sisascii)
   DissectorTable.get("tcp.port"):add_for_decode_as(sis)
+  DissectorTable.get("tcp.port"):add_for_decode_as(sisascii)
+  DissectorTable.get("udp.port"):add_for_decode_as(sis)
   DissectorTable.get("rtacser.data"):add_for_decode_as(sis)
   sis:register_heuristic("tcp", dissect_tcp_heuristic)
+  sis:register_heuristic("udp", dissect_udp_heuristic)
 end

@@ -284,7 +284,7 @@ class Scenario:
 
     def _do_segment(self, rest: str) -> None:
         direction, data = rest.split(None, 1)
-        payload = bytes.fromhex(data)
+        payload = body_bytes(data)
         there, back = self._sequence.get((self._port, direction), 1), "<" if direction == ">" else ">"
         acknowledged = self._sequence.get((self._port, back), 1)
         self._add(raw=tcp_segment(self._port, direction == ">", there, acknowledged, payload))
@@ -292,7 +292,7 @@ class Scenario:
 
     def _do_lost(self, rest: str) -> None:
         direction, data = rest.split(None, 1)
-        self._sequence[(self._port, direction)] += len(bytes.fromhex(data))
+        self._sequence[(self._port, direction)] += len(body_bytes(data))
 
     def _do_datagram(self, rest: str) -> None:
         direction, _, data = rest.partition(" ")

@@ -39,10 +39,15 @@ class Group:
 def groups() -> tuple[Group, Group, Group]:
     """Return all captures once without options, and once with the options of all of them; last those of TCP."""
     all_of_them = [Scenario(path) for path in scenarios()]
-    over_tcp = tuple(scenario.path for scenario in all_of_them if scenario.link == "tcp")
-    others = tuple(scenario.path for scenario in all_of_them if scenario.link != "tcp")
-    options = tuple(word for scenario in all_of_them if scenario.link != "tcp" for word in scenario.options)
-    return Group("plain", others), Group("all-options", others, options), Group("tcp", over_tcp)
+    over_tcp = [scenario for scenario in all_of_them if scenario.link == "tcp"]
+    others = [scenario for scenario in all_of_them if scenario.link != "tcp"]
+    paths = tuple(scenario.path for scenario in others)
+    with_options = Group("all-options", paths, _options(others))
+    return Group("plain", paths), with_options, Group("tcp", tuple(one.path for one in over_tcp), _options(over_tcp))
+
+
+def _options(scenarios: list[Scenario]) -> tuple[str, ...]:
+    return tuple(word for scenario in scenarios for word in scenario.options)
 
 
 def _as_section(path: Path, number: int) -> bytes:

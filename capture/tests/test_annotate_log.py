@@ -79,9 +79,49 @@ def test_a_capture_that_is_cut_is_a_log_up_to_there(tmp_path: Path) -> None:
     assert done.stderr.count("\n") == 1
 
 
-def test_what_is_no_record_of_the_tap(tmp_path: Path) -> None:
-    bare = write(tmp_path / "x.pcapng", BUS, dissector="sis")
-    refused(run(tmp_path, "log", bare), 2, "no records of sistap")
+def test_telegrams_without_records(tmp_path: Path) -> None:
+    """They have no direction."""
+    bare = write(tmp_path / "x.pcapng", [Sent(TELEGRAMS["8-20"])], dissector="sis")
+    lines = run(tmp_path, "log", bare, TZ="UTC0").stdout.splitlines()
+    assert [line.partition("+0000  ")[2] for line in lines[::2]] == ["02 6C 00 00 00 92 00 00"]
+    assert lines[1].endswith("^-- 0 -> 0  Command  Read phase (SYNAX)")
+
+
+def test_messages_that_import_made(tmp_path: Path) -> None:
+    """TX are the master's."""
+    (tmp_path / "x.csv").write_text("1.5,M,0082 000C 0002\n1.75,S,0082 000C 0002\n")
+    assert run(tmp_path, "import", "x.csv", "-w", "x.pcapng", "--dissector", "synaxpk").returncode == 0
+    done = run(tmp_path, "log", "x.pcapng", TZ="UTC0")
+    assert (done.returncode, done.stderr) == (0, "")
+    indent = " " * 40 + "^-- "
+    assert done.stdout.splitlines() == [
+        "1970-01-01 00:00:01.500000000+0000  TX  00 82 00 0C 00 02",
+        f"{indent}Master, format not defined, channel write",
+        "1970-01-01 00:00:01.750000000+0000  RX  00 82 00 0C 00 02",
+        f"{indent}Slave, format not defined, channel write",
+    ]
+
+
+def test_a_network(tmp_path: Path) -> None:
+    """Each packet with its bytes, parts of telegrams too; TX goes to the server. What comes before is counted.
+
+    So are the four of a connection in which nothing but Decode As finds a telegram.
+    """
+    done = run(tmp_path, "log", CAPTURES / "tcp-telnet.pcapng", TZ="UTC0")
+    assert done.returncode == 0
+    assert done.stderr.endswith("7 packets without SIS are not in the log\n")
+    lines = done.stdout.splitlines()
+    assert lines[10:14:2] == [
+        "2023-11-14 22:13:20.200000000+0000  TX  02 D4 03 03 00 03 10 03 FF",
+        "2023-11-14 22:13:20.225000000+0000  TX  FF 07 08 FF",
+    ]
+    assert lines[13].endswith("^-- 16 -> 3  Command  Set baud rate: 115200")
+    assert lines[8] == "2023-11-14 22:13:20.175000000+0000  RX  02 C7 03 03 10 03 10 03 00 04 07"
+    assert lines[9].endswith("^-- 3 -> 16  Reaction  Set baud rate  50.000 ms after the command")
+
+
+def test_what_has_no_sis(tmp_path: Path) -> None:
+    refused(run(tmp_path, "log", CAPTURES / "udp.pcapng"), 2, "6 packets without SIS", "Decode As", "sistap import")
 
 
 def test_a_full_disk(tmp_path: Path, full: Path) -> None:

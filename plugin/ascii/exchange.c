@@ -6,13 +6,15 @@
 
 #include "ascii/exchange.h"
 
+#include <epan/proto_data.h>
+
 #include "kept.h"
 #include "parts.h"
 #include "protocol/fields.h"
 #include "sertap/line.h"
 #include "sis/learned.h"
 
-/* One line of the capture, or both directions of a tap. */
+/* One line of the capture, both directions of a tap, or a TCP connection. */
 typedef struct {
     uint64_t key;
     sisascii_command_t *command; /* the last one */
@@ -72,7 +74,7 @@ is_echo(const noting_t *n)
     const sisascii_command_t *command = n->bus->command;
 
     return can_answer(n, command) && is_waiting(command) && is_same(n, command) && !command->is_echoed &&
-           command->said.kind != SISASCII_OPEN && (n->line != 0 || !n->bus->is_mute);
+           (n->line != 0 || (!n->bus->is_mute && command->said.kind != SISASCII_OPEN));
 }
 
 /* Characters that were lost or damaged since may have been the answer. */
@@ -128,6 +130,7 @@ begin(const noting_t *n, sisascii_kind_t kind)
 
     n->unit->kind = kind;
     n->unit->command = command;
+    n->unit->is_command = true;
     command->said = *n->said;
     command->said.kind = kind;
     command->said.text = wmem_strdup(wmem_file_scope(), n->said->text);
@@ -354,12 +357,33 @@ find_limit(const noting_t *n)
         n->unit->limit = settings->of[SIS_TRS];
 }
 
+/* Which line of its packet this is, from 0. */
+static uint32_t
+number_in_packet(packet_info *pinfo)
+{
+    uint32_t *count = p_get_proto_data(pinfo->pool, pinfo, proto_sisascii, 0);
+
+    if (count == NULL) {
+        count = wmem_new0(pinfo->pool, uint32_t);
+        p_add_proto_data(pinfo->pool, pinfo, proto_sisascii, 0, count);
+    }
+    return (*count)++;
+}
+
+/* Who has sent it: one of the two lines of a tap, or ends of a connection; 0: nobody knows. */
+static uint8_t
+line_of(const packet_info *pinfo, const sertap_record_t *record)
+{
+    if (record != NULL)
+        return record->line;
+    return pinfo->ptype == PT_TCP ? 1 + (pinfo->srcport > pinfo->destport) : 0;
+}
+
 const sisascii_unit_t *
 sisascii_find(packet_info *pinfo, const sisascii_said_t *said, const sis_times_t *times)
 {
-    sisascii_unit_t *unit = kept_of_packet(pinfo, proto_sisascii, 0, sizeof *unit);
-    const sertap_record_t *record = sertap_record(pinfo);
-    noting_t n = {pinfo, said, times, NULL, unit, record != NULL ? record->line : 0};
+    sisascii_unit_t *unit = kept_of_packet(pinfo, proto_sisascii, number_in_packet(pinfo), sizeof *unit);
+    noting_t n = {pinfo, said, times, NULL, unit, line_of(pinfo, sertap_record(pinfo))};
 
     if (unit->frame != 0)
         return unit;
@@ -367,7 +391,7 @@ sisascii_find(packet_info *pinfo, const sisascii_said_t *said, const sis_times_t
     unit->kind = said->kind;
     if (pinfo->fd->visited)
         return unit;
-    n.bus = sertap_kept_of_bus(buses, pinfo, sizeof *n.bus);
+    n.bus = kept_value(buses, &sis_exchange_bus(pinfo)->key, sizeof n.bus->key, sizeof *n.bus);
     find_limit(&n);
     note_line(&n);
     unit->has_drive = n.bus->has_drive;

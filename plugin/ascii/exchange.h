@@ -44,6 +44,7 @@ typedef struct {
     uint32_t frame;
     sisascii_kind_t kind;
     sisascii_command_t *command; /* this is, or belongs to; NULL: none is known */
+    bool is_command;             /* this is it */
     bool is_first;               /* of the answer */
     bool is_last;
     unsigned index;  /* of a value in its list, from 1; 0: it is none, or the first that was read */

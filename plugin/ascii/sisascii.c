@@ -15,7 +15,9 @@
 #include "parameters/values.h"
 #include "parts.h"
 #include "sis/access.h"
+#include "sis/segments.h"
 
+#define MOST_LINE        4096u /* as in capture/sistap/records/framer.py */
 #define MOST_DIGITS      3
 #define LARGEST_ADDRESS  255u
 #define ERROR_DIGITS     4
@@ -23,6 +25,7 @@
 #define MS               INT64_C(1000000)
 
 static int sisascii_tap = -1;
+static dissector_handle_t tcp_handle;
 
 /* A line being decoded. */
 typedef struct {
@@ -289,7 +292,8 @@ static void
 show_drive(line_t *line)
 {
     const sisascii_said_t *said = &line->said;
-    bool is_here = said->kind == SISASCII_OPEN || said->kind == SISASCII_PROMPT;
+    sisascii_kind_t kind = line->unit->kind;
+    bool is_here = kind == SISASCII_OPEN || kind == SISASCII_PROMPT;
     unsigned length = is_here ? (unsigned)strspn(said->text + said->at, "0123456789") : 0;
     uint8_t drive = is_here ? said->drive : line->unit->drive;
     proto_item *item;
@@ -410,7 +414,7 @@ show_links(line_t *line)
 
     if (command == NULL)
         return;
-    if (command->frame == line->pinfo->num) {
+    if (line->unit->is_command) {
         show_command(line, command);
         return;
     }
@@ -468,28 +472,83 @@ queue_answer(const line_t *line)
     tap_queue_packet(sisascii_tap, line->pinfo, answer);
 }
 
+/* Latin-1, as drives write "°C". */
+static bool
+is_text(uint8_t character)
+{
+    return (character >= ' ' && character <= '~') || character == '\t' || character >= 0xA0;
+}
+
+static bool
+is_end(uint8_t character)
+{
+    return character == '\r' || character == '\n';
+}
+
+/* A prompt has no end of line; 0: none begins here. */
+static unsigned
+prompt_length(const uint8_t *text, unsigned there)
+{
+    unsigned at = 1;
+
+    if (text[0] == '?')
+        return 1;
+    while (at < there && at <= MOST_DIGITS && g_ascii_isdigit(text[at]))
+        at++;
+    return text[0] == 'E' && at > 1 && at + 1 < there && text[at] == ':' && text[at + 1] == '>' ? at + 2 : 0;
+}
+
+/* For sis_segments_dissect(). Who ends lines with CR alone waits for the answer, so LF is not waited for. */
+static unsigned
+line_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
+{
+    unsigned there = MIN(tvb_captured_length_remaining(tvb, offset), MOST_LINE);
+    const uint8_t *text = tvb_get_ptr(tvb, offset, there);
+    unsigned length = prompt_length(text, there);
+
+    if (length > 0)
+        return length;
+    while (length < there && is_text(text[length]))
+        length++;
+    if (length == there)
+        return pinfo->can_desegment && there < MOST_LINE ? 0 : there;
+    if (is_end(text[length]))
+        return length + 1 + (text[length] == '\r' && length + 1 < there && text[length + 1] == '\n');
+    while (length < there && !is_text(text[length]) && !is_end(text[length]))
+        length++;
+    return length;
+}
+
 static unsigned
 length_without_end(tvbuff_t *tvb)
 {
     unsigned length = tvb_captured_length(tvb);
 
-    while (length > 0 && strchr("\r\n", compat_get_uint8(tvb, length - 1)) != NULL &&
-           compat_get_uint8(tvb, length - 1) != 0)
+    while (length > 0 && is_end(compat_get_uint8(tvb, length - 1)))
         length--;
     return length;
+}
+
+/* Cut by the capture, or noise of the line: it may have said something else. */
+static bool
+is_whole(tvbuff_t *tvb)
+{
+    unsigned length = tvb_captured_length(tvb);
+    uint8_t last = length > 0 ? compat_get_uint8(tvb, length - 1) : '\n';
+
+    return length == tvb_reported_length(tvb) && (is_text(last) || is_end(last));
 }
 
 static int
 dissect_sisascii(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
 {
-    static const sisascii_unit_t cut = {.kind =
-                                            SISASCII_TEXT}; /* by the capture: it may say something else */
+    static const sisascii_unit_t unknown = {.kind = SISASCII_TEXT};
     proto_item *root = proto_tree_add_item(parent, proto_sisascii, tvb, 0, -1, ENC_NA);
     line_t line = {.tvb = tvb,
                    .pinfo = pinfo,
                    .tree = proto_item_add_subtree(root, ett_sisascii),
                    .root = root,
-                   .unit = &cut};
+                   .unit = &unknown};
     const char *kind;
 
     line.length = length_without_end(tvb);
@@ -497,7 +556,7 @@ dissect_sisascii(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
     line.words = wmem_strbuf_new(pinfo->pool, "");
     line.marks = wmem_strbuf_new(pinfo->pool, "");
     line.times = sis_times(tvb, pinfo, tvb_reported_length(tvb), NULL);
-    if (tvb_captured_length(tvb) == tvb_reported_length(tvb)) {
+    if (is_whole(tvb)) {
         read_line(&line.said);
         line.unit = sisascii_find(pinfo, &line.said, &line.times);
     }
@@ -510,9 +569,44 @@ dissect_sisascii(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
     kind = val_to_str_const(line.unit->kind, sis_ascii_kinds, "");
     proto_item_append_text(root, ", %s%s", kind, wmem_strbuf_get_str(line.words));
     col_set_str(pinfo->cinfo, COL_PROTOCOL, "SISASCII");
-    col_add_fstr(pinfo->cinfo, COL_INFO, "%s%s%s", kind, wmem_strbuf_get_str(line.words),
-                 wmem_strbuf_get_str(line.marks));
+    col_clear(pinfo->cinfo, COL_INFO);
+    sis_separate(pinfo);
+    col_append_fstr(pinfo->cinfo, COL_INFO, "%s%s%s", kind, wmem_strbuf_get_str(line.words),
+                    wmem_strbuf_get_str(line.marks));
     return tvb_captured_length(tvb);
+}
+
+/* LF alone may belong to the line before, whose CR ended it; an empty line says nothing. */
+static int
+dissect_tcp_line(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
+{
+    if (length_without_end(tvb) > 0) {
+        dissect_sisascii(tvb, pinfo, tree, data);
+        col_set_fence(pinfo->cinfo, COL_INFO);
+    }
+    return tvb_captured_length(tvb);
+}
+
+static int
+dissect_tcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data)
+{
+    return sis_segments_dissect(tvb, pinfo, tree, line_length, dissect_tcp_line, data);
+}
+
+/* A segment that begins with a whole command: no other protocol has such lines. */
+static compat_bool
+dissect_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
+{
+    bool is_asked = pref_sis_tcp_heuristic && tvb_captured_length(tvb) > 0;
+    unsigned length = is_asked ? line_length(pinfo, tvb, 0, NULL) : 0;
+    sisascii_said_t said = {0};
+
+    if (length == 0 || !is_end(compat_get_uint8(tvb, length - 1)))
+        return FALSE;
+    said.text = sis_text(pinfo->pool, tvb, 0, length_without_end(tvb_new_subset_length(tvb, 0, length)));
+    read_line(&said);
+    return (said.kind == SISASCII_OPEN || said.kind == SISASCII_READ || said.kind == SISASCII_WRITE) &&
+           sis_recognize(tvb, pinfo, tree, tcp_handle);
 }
 
 void
@@ -526,4 +620,8 @@ void
 sisascii_handoff(void)
 {
     dissector_add_uint("sertap.framing", 2, find_dissector("sisascii"));
+    tcp_handle = create_dissector_handle(dissect_tcp, proto_sisascii);
+    dissector_add_for_decode_as("tcp.port", tcp_handle);
+    heur_dissector_add("tcp", dissect_heuristic, "SIS ASCII over TCP", "sisascii_tcp", proto_sisascii,
+                       HEURISTIC_ENABLE);
 }

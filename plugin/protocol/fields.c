@@ -123,6 +123,7 @@ int pref_sis_tza_from = 0;
 unsigned pref_sis_trs_ms = 0;
 int pref_sis_dlt_user = -1;
 compat_bool pref_sis_tcp_heuristic = TRUE;
+compat_bool pref_sis_udp_heuristic = FALSE;
 unsigned pref_3964r_zvz_ms = 220;
 unsigned pref_3964r_qvz_ms = 2000;
 int pref_synaxpk_layout = 0;
@@ -782,7 +783,8 @@ protocol_register_sis(void)
     prefs_register_enum_preference(module, "tza_from", "TzA counts from", "No document says whether the character that ends an interval counts. Unknown: where that decides, a verdict is unresolved", &pref_sis_tza_from, choices_sis_tza_from, FALSE);
     prefs_register_uint_preference(module, "trs_ms", "TrS in ms", "Longest reaction time allowed; 0: as the bus was told", 10, &pref_sis_trs_ms);
     prefs_register_enum_preference(module, "dlt_user", "Decode a user link type as SIS", "Captures of this link type hold bare telegrams. Goes before the table of protocol DLT_USER while it is set", &pref_sis_dlt_user, choices_sis_dlt_user, FALSE);
-    prefs_register_bool_preference(module, "tcp_heuristic", "Recognize SIS on any TCP port", "Where a segment starts with a whole telegram: equal lengths, right checksum", &pref_sis_tcp_heuristic);
+    prefs_register_bool_preference(module, "tcp_heuristic", "Recognize SIS on any TCP port", "Where a segment starts with a whole telegram: equal lengths, right checksum; or with a command of the ASCII protocol", &pref_sis_tcp_heuristic);
+    prefs_register_bool_preference(module, "udp_heuristic", "Recognize SIS on any UDP port", "The same for a datagram. Process data of a PPC may look like a telegram by chance", &pref_sis_udp_heuristic);
 }
 
 void

@@ -20,10 +20,10 @@ static wmem_map_t *streams; /* by bus and both stations */
 static bool
 is_connection(packet_info *pinfo)
 {
-    return pinfo->ptype == PT_TCP;
+    return pinfo->ptype != PT_NONE;
 }
 
-/* A capture has one interface for each line; SIS over TCP has connections. */
+/* A capture has one interface for each line; SIS over TCP or UDP has connections. */
 static uint64_t
 bus_key(packet_info *pinfo)
 {

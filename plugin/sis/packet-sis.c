@@ -12,6 +12,7 @@
 #include "sis/address.h"
 #include "sis/dispatch.h"
 #include "sis/packed.h"
+#include "sis/segments.h"
 #include "sis/timing.h"
 
 #define MAX_SUBADDRESSES 7
@@ -411,16 +412,6 @@ dissect_no_telegram(const dissection_t *d)
     proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 0, there, ENC_NA);
 }
 
-/* The info column may have text: another telegram of this packet, or TCP's text, which ends with a space. */
-static void
-separate(packet_info *pinfo)
-{
-    const char *info = col_get_text(pinfo->cinfo, COL_INFO);
-
-    if (info != NULL && info[0] != '\0' && !g_str_has_suffix(info, " "))
-        col_append_str(pinfo->cinfo, COL_INFO, " | ");
-}
-
 /* Whether anything below a telegram is looked at: a field of SIS, or an expert item. If a filter needs other
  * fields only, there is a tree, but nobody sees what is in it. */
 static bool
@@ -440,7 +431,7 @@ sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
                       .declared = sis_declared_length(tvb, 0),
                       .marks = wmem_strbuf_new(pinfo->pool, "")};
 
-    separate(pinfo);
+    sis_separate(pinfo);
     d.end = MIN(d.declared > 0 ? d.declared : there, tvb_captured_length(tvb));
     d.root = proto_tree_add_item(parent, proto_sis, tvb, 0, -1, ENC_NA);
     d.tree = is_looked_at(parent) ? proto_item_add_subtree(d.root, ett_sis) : NULL;
@@ -486,7 +477,7 @@ dissect_rest(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
     proto_item *root = proto_tree_add_item(parent, proto_sis, tvb, 0, -1, ENC_NA);
     proto_tree *tree = proto_item_add_subtree(root, ett_sis);
 
-    separate(pinfo);
+    sis_separate(pinfo);
     col_append_fstr(pinfo->cinfo, COL_INFO, "Not decoded, %u byte%s", there, plurality(there, "", "s"));
     proto_item_append_text(root, ", not decoded");
     expert_add_info(pinfo, root, &ei_sis_telegrams_many);

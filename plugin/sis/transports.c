@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Sources of SIS telegrams besides the serial tap: TCP, RTAC serial captures, a user link type. */
+/* Sources of SIS telegrams besides the serial tap: TCP, UDP, RTAC serial captures, a user link type. */
 #include "parts.h"
 
-#include <epan/conversation.h>
-#include <epan/dissectors/packet-tcp.h>
 #include <wiretap/wtap.h>
 
 #include "protocol/fields.h"
 #include "sis/frame.h"
 #include "sis/packet-sis.h"
+#include "sis/segments.h"
 
 /* S/IP, another protocol of the same drives. */
 #define SIP_PORT 35021
@@ -41,26 +40,24 @@ examine(tvbuff_t *tvb, unsigned offset, bool *can_wait)
     return DAMAGED;
 }
 
-/* For tcp_dissect_pdus(): the length of the telegram at offset. Without a telegram (a segment was lost, the
- * capture began in the middle): the length up to the next good one. A damaged telegram also ends where
- * another one begins: if a character was lost, its length counts the first one of the next. 0 if more bytes
- * are needed. */
+/* For sis_segments_dissect(): the length of the telegram at offset; 0 if more bytes are needed. Without a
+ * telegram (a segment was lost, the capture began in the middle): the length up to the next one. A damaged
+ * telegram also ends where another one begins: if a character was lost, its length counts the first one of
+ * the next. */
 static unsigned
-telegram_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *can_wait)
+telegram_length(packet_info *pinfo _U_, tvbuff_t *tvb, int offset, void *can_wait)
 {
     unsigned begin = offset, next = begin, rest = tvb_reported_length_remaining(tvb, begin);
     unsigned declared = sis_declared_length(tvb, begin);
     candidate_t first = examine(tvb, begin, can_wait);
 
-    if (first == INCOMPLETE && *(bool *)can_wait && declared == 0)
-        return pinfo->can_desegment ? 0 : rest;
     if (first == GOOD || (first == INCOMPLETE && *(bool *)can_wait))
         return declared;
     if (first == DAMAGED)
         rest = declared;
     while (compat_find_uint8(tvb, next + 1, SIS_START, &next) && next - begin < rest) {
         candidate_t other = examine(tvb, next, can_wait);
-        bool is_awaited = first == DAMAGED && other == INCOMPLETE && sis_declared_length(tvb, next) > 0;
+        bool is_awaited = other == INCOMPLETE && (first != DAMAGED || sis_declared_length(tvb, next) > 0);
 
         if (other == GOOD || (is_awaited && *(bool *)can_wait))
             return next - begin;
@@ -84,10 +81,9 @@ dissect_pdu(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 static int
 dissect_tcp(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
-    bool can_wait = true;
+    bool can_wait = pinfo->can_desegment > 0;
 
-    tcp_dissect_pdus(tvb, pinfo, tree, TRUE, 1, telegram_length, dissect_pdu, &can_wait);
-    return tvb_captured_length(tvb);
+    return sis_segments_dissect(tvb, pinfo, tree, telegram_length, dissect_pdu, &can_wait);
 }
 
 /* USIP and others also start with 0x02. So only a whole telegram with equal lengths and a zero checksum
@@ -104,13 +100,16 @@ is_sis(tvbuff_t *tvb)
 static compat_bool
 dissect_tcp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
+    sis_segments_look(tvb, pinfo);
     if (!pref_sis_tcp_heuristic || pinfo->srcport == SIP_PORT || pinfo->destport == SIP_PORT || !is_sis(tvb))
         return FALSE;
+    return sis_recognize(tvb, pinfo, tree, tcp_handle);
+}
 
-    /* From here on: earlier bytes were something else, in the second pass, too. */
-    conversation_set_dissector_from_frame_number(find_or_create_conversation(pinfo), pinfo->num, tcp_handle);
-    dissect_tcp(tvb, pinfo, tree, NULL);
-    return TRUE;
+static compat_bool
+dissect_udp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
+{
+    return pref_sis_udp_heuristic && is_sis(tvb) && sis_recognize(tvb, pinfo, tree, sis_handle);
 }
 
 /* An entry of "wtap_encap" silently overrides the user's own DLT_USER table. So none is made unless
@@ -134,7 +133,9 @@ sis_transports_handoff(void)
 {
     tcp_handle = create_dissector_handle(dissect_tcp, proto_sis);
     dissector_add_for_decode_as("tcp.port", tcp_handle);
+    dissector_add_for_decode_as("udp.port", sis_handle);
     heur_dissector_add("tcp", dissect_tcp_heuristic, "SIS over TCP", "sis_tcp", proto_sis, HEURISTIC_ENABLE);
+    heur_dissector_add("udp", dissect_udp_heuristic, "SIS over UDP", "sis_udp", proto_sis, HEURISTIC_ENABLE);
     dissector_add_for_decode_as("rtacser.data", sis_handle);
     /* For each file, and not when preferences are applied: a change of profile resets them without that. */
     register_init_routine(apply_dlt_user);

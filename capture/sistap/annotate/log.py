@@ -16,18 +16,20 @@ from sistap.explain.fields import EXPLANATION, Fields, said, sentence
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED, USAGE
 from sistap.terminal.writing import FORCE
-from sistap.wireshark.rows import EVENT, JOINT, NotACapture, damage
+from sistap.wireshark.rows import EVENT, JOINT, NotACapture, damage, first
 from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 Write a capture as a log: one line of text for each telegram with its time, direction and bytes, and its explanation
-below. `sistap annotate` reads such a log and finds the same telegrams at the same times. The explanations come from
-Wireshark's dissector: install tshark with the plugin or sis.lua.
+below. Of a capture of a network, it has the packets of the connections with SIS. `sistap annotate` reads such a log and
+finds the same telegrams at the same times. The explanations come from Wireshark's dissector: install tshark with the
+plugin or sis.lua.
 """
 
 EPILOG = """\
-Times are local, with their zone. RX and TX are the two directions of a full-duplex tap; an RS485 bus has none. A log
-has no line errors and no times inside a telegram, so keep the capture as well.
+Times are local, with their zone. RX and TX are the two directions of a full-duplex tap; an RS485 bus has none. In a
+network, TX goes to the lower port number; of messages, TX are the master's. A log has no line errors and no times
+inside a telegram, so keep the capture as well.
 
 examples:
   sistap log day.pcapng                  to standard output
@@ -40,6 +42,11 @@ exit status:
 """
 
 _TIME, _TYPE, _LINE, _CHARACTER = "frame.time_epoch", "sertap.type", "sertap.line", "sertap.character"
+_PROTOCOLS, _STREAM, _SENT = "frame.protocols", "tcp.stream", "frame.packet_flags_direction"
+_PORTS = (("tcp.srcport", "tcp.dstport"), ("udp.srcport", "udp.dstport"))
+_BYTES = ("tcp.payload", "udp.payload", "exported_pdu.exported_pdu")  # of a packet that is no record
+_OURS = frozenset("sis sisascii 3964r rk512i arcnet7f synaxpk synaxpcp synaxobj synaxpd".split())
+_CURE = "; Decode As in Wireshark says which port has it; `sistap import` reads captures of an RTAC"
 _NS = 1  # resolution of the times
 
 
@@ -47,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
-    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="a capture that sistap wrote")
+    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="a capture that sistap wrote, or of a network")
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
     parser.add_argument("--force", action="store_true", help=FORCE)
 
@@ -64,8 +71,8 @@ def run(args: argparse.Namespace) -> int:
         console.say(str(error))
         return FAILED
     if left_out:
-        packets = "1 packet is no record" if left_out == 1 else f"{left_out} packets are no records"
-        console.say(f"{args.capture}: {packets} of sistap, and not in the log")
+        packets = "1 packet without SIS is" if left_out == 1 else f"{left_out} packets without SIS are"
+        console.say(f"{args.capture}: {packets} not in the log{'' if written else _CURE}")
     return DONE if written or not left_out else USAGE
 
 
@@ -94,14 +101,27 @@ def _check(args: argparse.Namespace) -> None:
 
 def _lines(tshark: Tshark, capture: Path, say: Callable[[str], None]) -> Iterator[str]:
     """Yield the lines of each packet; an empty text for a packet that is not a record."""
-    fields = Fields(tshark, (_TIME, _TYPE, _LINE, _CHARACTER))
+    ports = (port for ends in _PORTS for port in ends)
+    more = (_TIME, _TYPE, _LINE, _CHARACTER, _PROTOCOLS, _STREAM, _SENT, *_BYTES, *ports)
+    fields = Fields(tshark, more)
+    streams: set[str] = set()
     came = False
     try:
         for line in tshark.lines(["-r", str(capture), "-2", *fields.arguments]):
             came = True
-            yield _entry(fields.columns(line))
+            columns = fields.columns(line)
+            yield _entry(columns) if _is_of_ours(columns, streams) else ""
     except TsharkError as error:
         say(f"{capture}: the log is of what comes before the damage: {damage(capture, error, came)}")
+
+
+def _is_of_ours(columns: dict[str, str], streams: set[str]) -> bool:
+    """Tell whether a packet belongs into the log. `streams`: the TCP connections that do."""
+    stream = columns.get(_STREAM, "")
+    if columns.get(_TYPE) or not _OURS.isdisjoint(columns[_PROTOCOLS].split(":")):
+        streams.add(stream)
+        return True
+    return bool(stream) and stream in streams and bool(columns.get(_BYTES[0]))  # a part of a telegram
 
 
 def _entry(columns: dict[str, str]) -> str:
@@ -109,10 +129,26 @@ def _entry(columns: dict[str, str]) -> str:
     seconds, _, decimals = (columns[_TIME] or "0").partition(".")  # a packet may have no time
     stamp = entries.stamp(int(seconds), int(decimals.ljust(9, "0")))
     text = sentence(said(columns), _NS if stamp else None)
-    if columns.get(_TYPE) == str(EVENT):
+    characters = _characters(columns)
+    if columns.get(_TYPE) == str(EVENT) or not characters:
         return f"{EXPLANATION}{stamp}{text}\n"
-    characters = columns.get(_CHARACTER, "").replace("0x", "").replace(JOINT, " ").upper()
-    if not characters:
-        return ""
-    head = entries.head(stamp, int(columns.get(_LINE) or 0))
+    head = entries.head(stamp, _line(columns))
     return f"{head}{characters}\n{entries.under(head, text)}"
+
+
+def _characters(columns: dict[str, str]) -> str:
+    """Return the bytes; empty if no field has them."""
+    if columns.get(_TYPE):
+        return columns.get(_CHARACTER, "").replace("0x", "").replace(JOINT, " ").upper()
+    found = next((columns[name] for name in _BYTES if columns.get(name)), "")
+    return bytes.fromhex(first(found).replace(":", "")).hex(" ").upper()
+
+
+def _line(columns: dict[str, str]) -> int:
+    """Return the direction: 1 received, 2 sent, 0 not known."""
+    if columns.get(_TYPE):
+        return int(columns.get(_LINE) or 0)
+    for source, target in _PORTS:
+        if columns.get(source):
+            return 1 if int(first(columns[source])) < int(first(columns[target])) else 2
+    return int(columns.get(_SENT) or "0", 0)  # inbound is 1, outbound 2
