@@ -1066,6 +1066,12 @@ K.MOST_PARAMETER_READ = 236
 -- Bytes of a parameter in a command (chapters 8.6 and 8.7). IndraDrive takes up to 243.
 K.MOST_PARAMETER_WRITTEN = 234
 
+-- Bytes of a command of Telnet. More means that its end was lost.
+K.MOST_TELNET = 64
+
+-- Bytes of a line of the ASCII protocol, as in capture/sistap/records/framer.py. TCP waits for the rest of fewer.
+K.SISASCII_MOST_LINE = 4096
+
 -- Tries to connect, and to send a block.
 K.P3964R_MOST_TRIES = 6
 
@@ -11198,7 +11204,6 @@ do
   local IAC, SB, WILL, DO = 0xFF, 0xFA, 0xFB, 0xFD
   local COMMAND_END = "\255\240" -- IAC SE
   local COM_PORT = 0x2C -- the option of RFC 2217; what else serial lines need has smaller numbers
-  local MOST_COMMAND = 64 -- a longer one is damage: its end was lost
   local find = string.find
 
   local telnet_from -- for each connection: the packet from which on it is Telnet
@@ -11214,9 +11219,9 @@ do
     if there == 1 then return 2 end
     if verb == IAC then return 0 end
     if verb ~= SB then return verb > SB and 3 or 2 end
-    local _, last = find(sub(bytes, offset + 1, offset + MOST_COMMAND), COMMAND_END, 3, true)
+    local _, last = find(sub(bytes, offset + 1, offset + K.MOST_TELNET), COMMAND_END, 3, true)
 
-    return last or (there < MOST_COMMAND and there + 1 or 2)
+    return last or (there < K.MOST_TELNET and there + 1 or 2)
   end
 
   -- Noise of a line begins so in one segment of 180,000.
@@ -11547,7 +11552,6 @@ do
   local LARGEST_ADDRESS = 255
   local SHOWN_CHARACTERS = 80
   local find = string.find
-  local MOST_LINE = 4096 -- as in capture/sistap/records/framer.py
   local ANY_TEXT = "[ -~\t\160-\255]" -- Latin-1, as drives write "°C"
   local MS = 1000000 -- in ns
 
@@ -11836,13 +11840,13 @@ do
 
   -- For S.segments_dissect(). Who ends lines with CR alone waits for the answer, so LF is not waited for.
   local function line_length(bytes, pinfo, offset)
-    local there, first = min(#bytes - offset, MOST_LINE), offset + 1
+    local there, first = min(#bytes - offset, K.SISASCII_MOST_LINE), offset + 1
     local _, last = find(bytes, "^%?", first)
 
     if not last then _, last = find(bytes, "^E%d%d?%d?:>", first) end
     if last then return last - offset end
     _, last = find(bytes, "^" .. ANY_TEXT .. "*", first)
-    if last - offset >= there then return pinfo.can_desegment > 0 and there < MOST_LINE and 0 or there end
+    if last - offset >= there then return pinfo.can_desegment > 0 and there < K.SISASCII_MOST_LINE and 0 or there end
     local _, line_end = find(bytes, "^\r?\n?", last + 1)
 
     if line_end == last then _, line_end = find(bytes, "^[^" .. sub(ANY_TEXT, 2, -2) .. "\r\n]+", last + 1) end

@@ -14,10 +14,10 @@
 #include "parameters/text.h"
 #include "parameters/values.h"
 #include "parts.h"
+#include "protocol/limits.h"
 #include "sis/access.h"
 #include "sis/segments.h"
 
-#define MOST_LINE        4096u /* as in capture/sistap/records/framer.py */
 #define MOST_DIGITS      3
 #define LARGEST_ADDRESS  255u
 #define ERROR_DIGITS     4
@@ -502,7 +502,7 @@ prompt_length(const uint8_t *text, unsigned there)
 static unsigned
 line_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
 {
-    unsigned there = MIN(tvb_captured_length_remaining(tvb, offset), MOST_LINE);
+    unsigned there = MIN(tvb_captured_length_remaining(tvb, offset), SISASCII_MOST_LINE);
     const uint8_t *text = tvb_get_ptr(tvb, offset, there);
     unsigned length = prompt_length(text, there);
 
@@ -511,7 +511,7 @@ line_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
     while (length < there && is_text(text[length]))
         length++;
     if (length == there)
-        return pinfo->can_desegment && there < MOST_LINE ? 0 : there;
+        return pinfo->can_desegment && there < SISASCII_MOST_LINE ? 0 : there;
     if (is_end(text[length]))
         return length + 1 + (text[length] == '\r' && length + 1 < there && text[length + 1] == '\n');
     while (length < there && !is_text(text[length]) && !is_end(text[length]))

@@ -46,6 +46,13 @@
 /* Bytes of a parameter in a command (chapters 8.6 and 8.7). IndraDrive takes up to 243. */
 #define SIS_MOST_PARAMETER_WRITTEN 234
 
+/* Bytes of a command of Telnet. More means that its end was lost. */
+#define SIS_MOST_TELNET 64
+
+/* Bytes of a line of the ASCII protocol, as in capture/sistap/records/framer.py. TCP waits for the rest of
+ * fewer. */
+#define SISASCII_MOST_LINE 4096
+
 /* Tries to connect, and to send a block. */
 #define P3964R_MOST_TRIES 6
 

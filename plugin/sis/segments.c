@@ -7,15 +7,15 @@
 #include <epan/conversation.h>
 
 #include "protocol/fields.h"
+#include "protocol/limits.h"
 
-#define IAC          0xFF
-#define SE           0xF0
-#define SB           0xFA
-#define WILL         0xFB
-#define DO           0xFD
-#define DONT         0xFE
-#define COM_PORT     0x2C /* the option of RFC 2217; what else serial lines need has smaller numbers */
-#define MOST_COMMAND 64u  /* a longer one is damage: its end was lost */
+#define IAC      0xFF
+#define SE       0xF0
+#define SB       0xFA
+#define WILL     0xFB
+#define DO       0xFD
+#define DONT     0xFE
+#define COM_PORT 0x2C /* the option of RFC 2217; what else serial lines need has smaller numbers */
 
 /* What is left of a segment. */
 typedef struct {
@@ -40,11 +40,11 @@ command_length(tvbuff_t *tvb, unsigned offset)
         return 0;
     if (verb != SB)
         return verb > SB ? 3 : 2;
-    for (unsigned i = 3; i < MIN(there, MOST_COMMAND); i++) {
+    for (unsigned i = 3; i < MIN(there, SIS_MOST_TELNET); i++) {
         if (compat_get_uint8(tvb, offset + i) == SE && compat_get_uint8(tvb, offset + i - 1) == IAC)
             return i + 1;
     }
-    return there < MOST_COMMAND ? there + 1 : 2;
+    return there < SIS_MOST_TELNET ? there + 1 : 2;
 }
 
 /* Noise of a line begins so in one segment of 180,000. */
@@ -100,7 +100,8 @@ characters_of(tvbuff_t *tvb, packet_info *pinfo)
     }
     left.places[count] = left.end;
     left.tvb = tvb_new_child_real_data(tvb, values, count, count);
-    add_new_data_source(pinfo, left.tvb, "Characters without Telnet");
+    if (count > 0)
+        add_new_data_source(pinfo, left.tvb, "Characters without Telnet");
     return left;
 }
 
