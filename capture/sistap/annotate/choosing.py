@@ -10,7 +10,6 @@ from __future__ import annotations
 import re
 from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
 
 from sistap.annotate.cutting import RecordCutter
 from sistap.annotate.notations import NOTATIONS, PAIRS, Numbers
@@ -27,11 +26,7 @@ _JUDGED = (Framing.SIS, Framing.PROCEDURE_3964R)  # their frames have a checksum
 _BEGINNING = re.compile(rb"(?=\x02.(.)\1)", re.DOTALL)  # of a telegram: start, checksum, equal lengths
 
 
-class Score(NamedTuple):
-    """How good a choice is: bytes of right telegrams, and other bytes, which are negative."""
-
-    telegrams: int = 0
-    others: int = 0
+_Score = tuple[int, int]  # bytes of right telegrams; other bytes, which are negative
 
 
 class AnyReader:
@@ -95,11 +90,10 @@ def _windows(prepared: list[Prepared]) -> Iterator[list[Prepared]]:
 def _has_bytes(lines: Iterable[LogLine], framing: Cut) -> bool:
     """Tell whether a log without right telegrams has bytes at all: four side by side, or damaged frames."""
     reader, cutter = ChosenReader(ANYTHING), RecordCutter(framing)
-    for line in lines:
-        for piece in reader.contents(line).pieces:
-            if len(piece.run.data) >= PAIRS.enough or any(cut.record.type == Type.FRAME for cut in cutter.feed(piece)):
-                return True
-    return any(cut.record.type == Type.FRAME for cut in cutter.end())
+    pieces = [piece for line in lines for piece in reader.contents(line).pieces]
+    cuts = [cut for piece in pieces for cut in cutter.feed(piece)] + cutter.end()
+    longest = max((len(piece.run.data) for piece in pieces), default=0)
+    return longest >= PAIRS.enough or any(cut.record.type == Type.FRAME for cut in cuts)
 
 
 class _Chooser:
@@ -112,22 +106,22 @@ class _Chooser:
 
     def choose(self) -> Choice | None:
         """Return what makes most telegrams, with as little as possible; None if nothing makes any."""
-        score, best = self._tried(Choice((PAIRS,)))
-        if not score.telegrams or not self._is_all_read:
+        (telegrams, _), best = self._tried(Choice((PAIRS,)))
+        if not telegrams or not self._is_all_read:
             best = self._longer()
         return best._replace(name=self._name(best)) if best.notations else None
 
     def _longer(self) -> Choice:
         """Try all notations and places; add to the best as long as that makes more telegrams."""
-        best, score = Choice(()), Score()
+        best, most = Choice(()), 0
         likely, unlikely = self._candidates()
         candidates = likely
         while True:
             tried = [self._tried(best.joined(candidate)) for candidate in candidates]
-            better, choice = max(tried, key=lambda one: one[0], default=(score, best))
-            if better.telegrams <= score.telegrams:
+            (telegrams, _), choice = max(tried, key=lambda one: one[0], default=((0, 0), best))
+            if telegrams <= most:
                 return best
-            best, score = choice, better
+            best, most = choice, telegrams
             candidates = likely + [one for one in unlikely if one.notations[0] in best.notations or not one.places]
 
     def _candidates(self) -> tuple[list[Choice], list[Choice]]:
@@ -155,12 +149,8 @@ class _Chooser:
         ends = ((one.start(), one.start() + STATIC_LENGTH + one[1][0]) for one in _BEGINNING.finditer(data))
         return self._framing != SIS or any(end <= len(data) and checksum_good(data[at:end]) for at, end in ends)
 
-    def _tried(self, choice: Choice) -> tuple[Score, Choice]:
-        """Return the score of a choice: nothing if it makes mostly other bytes."""
-        score = self._score(choice)
-        return (score if score.telegrams > -score.others else Score()), choice
-
-    def _score(self, choice: Choice) -> Score:
+    def _tried(self, choice: Choice) -> tuple[_Score, Choice]:
+        """Return how good a choice is: nothing if it makes mostly other bytes."""
         reader, cutter = ChosenReader(choice), RecordCutter(self._framing)
         cuts = []
         self._is_all_read = True
@@ -172,7 +162,7 @@ class _Chooser:
         sizes = [0, 0]
         for record, _ in cuts + cutter.end():
             sizes[record.is_good_frame and not record.is_handshake] += len(record.data)
-        return Score(sizes[True], -sizes[False])
+        return ((sizes[True], -sizes[False]) if sizes[True] > sizes[False] else (0, 0)), choice
 
     def _name(self, choice: Choice) -> str:
         """Name the notations; nothing for hexadecimal numbers, as usual."""
@@ -182,5 +172,5 @@ class _Chooser:
                 continue
             runs = (run for one in self._prepared for run in notation.runs(one.masked)[0] if len(run.data) > 1)
             wide = max(runs, key=lambda run: len(run.data), default=None)
-            names.append(notation.name + (notation.separated(wide) if wide else ""))
+            names.append(notation.name + (notation.separated(wide) if wide and isinstance(notation, Numbers) else ""))
         return "; ".join(names)

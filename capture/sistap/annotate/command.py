@@ -109,8 +109,9 @@ def run(args: argparse.Namespace) -> int:
         if source.is_raw:
             console.say(f"{_name(args)} is no text: its bytes are read as they are, without times and directions")
         passage = Passage(source.reader, troubles.add, args.framing)
+        written = ""
         if args.capture:
-            _capture(args, source, passage, console)
+            written = _capture(args, source, passage, console)
         else:
             _explain(args, source, passage, console)
     except (UsageError, SourceError, NotOpened, OutputRefused, TooSlow) as error:
@@ -125,6 +126,8 @@ def run(args: argparse.Namespace) -> int:
         troubles.end()
         if source.reader.notation:
             console.say(f"{_name(args)}: bytes: {source.reader.notation}")
+    if written and passage.bytes:
+        console.say(written)
     return _judge(args, passage, console)
 
 
@@ -177,14 +180,13 @@ def _batches(args: argparse.Namespace, source: Source, console: Console) -> anno
     return source.lines(args.framing, _progress(console, "read"))
 
 
-def _capture(args: argparse.Namespace, source: Source, passage: Passage, console: Console) -> None:
-    """Write the capture."""
+def _capture(args: argparse.Namespace, source: Source, passage: Passage, console: Console) -> str:
+    """Write the capture; return what to say of it."""
     output = Output(args.capture, force=args.force, sources=_sources(args))
     try:
         output.begin()
         annotating.record(_batches(args, source, console), passage, _name(args), output.write)
-        if passage.bytes:
-            console.say(output.written)
+        return output.written
     finally:
         output.close()
 

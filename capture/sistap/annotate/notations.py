@@ -109,10 +109,6 @@ class Text(NamedTuple):
         is_bytes = text[max(0, run.start - 2) : run.start - 1] == "b"
         return is_bytes or any(one.lastgroup in _BASES for one in self.byte.finditer(run.text))
 
-    def separated(self, _: Run) -> str:
-        """Say nothing: characters have no separator."""
-        return ""
-
 
 Notation = Numbers | Text
 
