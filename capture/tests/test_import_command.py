@@ -93,7 +93,7 @@ def test_a_capture_of_sistap_is_one_already(table: Path, capfd: pytest.CaptureFi
     assert run(table, "--baud", "9600").code == 0
     capfd.readouterr()
     assert run(Path(f"{table}.imported")).code == 2
-    refused(capfd, "is none of the files that can be imported")
+    refused(capfd, "is a capture that Wireshark reads as it is: `sistap log ")
 
 
 @pytest.mark.parametrize(

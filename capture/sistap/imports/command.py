@@ -194,11 +194,15 @@ def _precision(uncertainties_ns: Counter[int]) -> str:
         passed += uncertainties_ns[half]
         if 2 * passed >= uncertainties_ns.total():
             break
-    most = f" (half of them {half / 1e6:.2g} ms)" if half < ordered[-1] else ""
+    most = f" (half of them {_milliseconds(half)})" if half < ordered[-1] else ""
     return (
-        f"characters can have come up to {ordered[-1] / 1e6:.2g} ms earlier{most}, and a verdict needs a time that is "
+        f"characters can have come up to {_milliseconds(ordered[-1])} earlier{most}, and a verdict needs a time that is "
         "further from its limit than that"
     )
+
+
+def _milliseconds(time_ns: int) -> str:
+    return f"{time_ns / 1e6:.2g} ms" if time_ns >= 1000 else f"{time_ns} ns"
 
 
 def _silent(text: str) -> None:

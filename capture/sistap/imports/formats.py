@@ -91,6 +91,8 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
             return capture.opened(tshark, path, told)
     if packed := unpack(path):
         raise UsageError(packed)
+    if seen:
+        raise UsageError(f"{path} is a capture that Wireshark reads as it is: `sistap log {shell_word(str(path))}`")
     raise UsageError(
         f"{path} is none of the files that can be imported. For a log with bytes in hexadecimal: "
         f"`sistap annotate {shell_word(str(path))} -w FILE`. These can be imported: {'; '.join(NAMES)}"
