@@ -18,6 +18,7 @@ from sistap.annotate.session import SessionReader, is_session
 from sistap.annotate.textlog import UTF_16, Cutter, LineCutter, LogLine, lines
 from sistap.common.packed import unpack
 from sistap.common.usbmon import is_usbmon
+from sistap.files.pcapng import FIRST_BYTES
 from sistap.records.cut import ASCII, Cut
 from sistap.terminal.advice import shell_word
 from sistap.terminal.exits import Error
@@ -26,8 +27,6 @@ _PIECE = 1 << 18
 _AHEAD = 16  # pieces of a pipe that may wait: its writer can be faster than they are explained
 _IDLE_S = 0.2
 _NULS = 10  # one byte in this many may be 0: some programs write what they received
-# The first bytes of captures: pcapng, and pcap in both byte orders with us and with ns.
-_CAPTURES = tuple(map(bytes.fromhex, ("0a0d0d0a", "d4c3b2a1", "a1b2c3d4", "4d3cb2a1", "a1b23c4d")))
 
 
 class SourceError(Error):
@@ -68,7 +67,7 @@ def look(log: str, framing: Cut, reader: LogReader | None = None) -> Source:
             beginning = file.read(LONGEST)
     except OSError as error:
         raise SourceError(f"cannot read {log}: {error.strerror}; name a log, or - for standard input") from None
-    if beginning.startswith(_CAPTURES):
+    if beginning.startswith(FIRST_BYTES):
         raise SourceError(f"{log} is a capture, not a log: `sistap log {log}` explains it")
     if not reader and not beginning.startswith(UTF_16) and is_raw(beginning[:_PIECE], framing):
         return Source(log, RawReader(), is_pipe=False)

@@ -26,6 +26,8 @@ LINK_TYPES = {
 }
 
 SECTION_HEADER = 0x0A0D0D0A
+# The first bytes of captures: pcapng, and pcap in both byte orders with us and with ns.
+FIRST_BYTES = tuple(map(bytes.fromhex, ("0a0d0d0a", "d4c3b2a1", "a1b2c3d4", "4d3cb2a1", "a1b23c4d")))
 INTERFACE_DESCRIPTION = 1
 INTERFACE_STATISTICS = 5
 ENHANCED_PACKET = 6

@@ -196,8 +196,8 @@ def _precision(uncertainties_ns: Counter[int]) -> str:
             break
     most = f" (half of them {_milliseconds(half)})" if half < ordered[-1] else ""
     return (
-        f"characters can have come up to {_milliseconds(ordered[-1])} earlier{most}, and a verdict needs a time that is "
-        "further from its limit than that"
+        f"characters can have come up to {_milliseconds(ordered[-1])} earlier{most}, and a verdict needs a time that "
+        "is further from its limit than that"
     )
 
 

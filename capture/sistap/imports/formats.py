@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.common.packed import unpack
+from sistap.files.pcapng import FIRST_BYTES
 from sistap.imports import levels, saleae, session, sigrok, usb_transfers, usbmon, vcd, wave
 from sistap.imports.dissected import protocols
 from sistap.imports.rtac import RtacCapture
@@ -91,7 +92,7 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
             return capture.opened(tshark, path, told)
     if packed := unpack(path):
         raise UsageError(packed)
-    if seen:
+    if _first(path).startswith(FIRST_BYTES):
         raise UsageError(f"{path} is a capture that Wireshark reads as it is: `sistap log {shell_word(str(path))}`")
     raise UsageError(
         f"{path} is none of the files that can be imported. For a log with bytes in hexadecimal: "
@@ -101,7 +102,7 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
 
 def known(path: Path) -> Callable[[Path, Told], Source] | None:
     """Return what opens a file of a logic analyser; None: it is none. May raise UsageError."""
-    head = _head(path).removeprefix("\ufeff").lstrip()
+    head = _first(path).decode(errors="replace").removeprefix("\ufeff").lstrip()
     for text in TEXTS:
         if re.match(text.first_line, head):
             return text.opened
@@ -111,11 +112,11 @@ def known(path: Path) -> Callable[[Path, Told], Source] | None:
     return None
 
 
-def _head(path: Path) -> str:
+def _first(path: Path) -> bytes:
     if path.exists() and not path.is_file():
         raise UsageError(f"{path} is not a file: it is read more than once, so save it first")
     try:
         with path.open("rb") as file:
-            return file.read(_HEAD).decode(errors="replace")
+            return file.read(_HEAD)
     except OSError as error:
         raise UsageError(f"cannot read {path}: {error.strerror}; name a file that another tool has recorded") from None
