@@ -121,7 +121,7 @@ def test_files(table: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["import", str(table.parent / "missing"), *arguments, "x"]) == 2
     refused(capfd, "cannot read", "No such file or directory")
     assert cli.main(["import", str(table.parent), *arguments, "x"]) == 2
-    refused(capfd, "is not a file")
+    refused(capfd, "Is a directory")
     assert cli.main(["import", str(table), *arguments, str(table)]) == 2
     refused(capfd, "is FILE itself")
     assert table.read_text() == TABLE

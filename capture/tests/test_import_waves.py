@@ -278,7 +278,7 @@ def test_pulses_beside_the_bus_are_no_direction() -> None:
 def test_what_is_given_is_not_searched_for() -> None:
     recording = wave(MHZ, D0=trace(bursts(LineSettings.parse(9600, "8N1")), MHZ))
     assert found(recording, Told(9600, "8N1")).said == "9600 Bd 8N1, as given; channel D0"
-    assert found(recording, Told(9600)).said == "9600 Bd 8N1, found by the pulses; channel D0"
+    assert found(recording, Told(9600)).said == "9600 Bd 8N1, the rate as given; channel D0"
     for told in (Told(19200), Told(9600, "8E1")):
         source = opened(Path("x"), recording, told)
         assert str(source.settings) == str(told.settings)
@@ -542,3 +542,10 @@ def test_what_is_no_recording(tmp_path: Path, text: str) -> None:
     path = tmp_path / "text"
     path.write_text(text)
     assert not known(path)
+
+
+def test_a_session_that_is_cut_off(tmp_path: Path) -> None:
+    """The directory of a zip is at its end."""
+    cut = tmp_path / "cut.sr"
+    cut.write_bytes(b"PK\x03\x04" + bytes(400))
+    assert unpack(cut) == f"{cut} is a damaged zip: copy it again from where it was recorded"

@@ -46,7 +46,7 @@ _PROTOCOLS, _STREAM, _SENT = "frame.protocols", "tcp.stream", "frame.packet_flag
 _PORTS = (("tcp.srcport", "tcp.dstport"), ("udp.srcport", "udp.dstport"))
 _BYTES = ("tcp.payload", "udp.payload", "exported_pdu.exported_pdu")  # of a packet that is no record
 _OURS = frozenset("sis sisascii 3964r rk512i arcnet7f synaxpk synaxpcp synaxobj synaxpd".split())
-_CURE = "; Decode As in Wireshark says which port has it; `sistap import` reads captures of an RTAC"
+_CURE = "; `sistap import` reads captures of USB adapters and an RTAC, Decode As in Wireshark names a network's port"
 _NS = 1  # resolution of the times
 
 

@@ -113,7 +113,7 @@ def known(path: Path) -> Callable[[Path, Told], Source] | None:
 
 
 def _first(path: Path) -> bytes:
-    if path.exists() and not path.is_file():
+    if path.exists() and not path.is_file() and not path.is_dir():
         raise UsageError(f"{path} is not a file: it is read more than once, so save it first")
     try:
         with path.open("rb") as file:

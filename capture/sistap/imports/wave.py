@@ -15,6 +15,7 @@ from sistap.analyser.uart import FEWEST_SAMPLES, Uart
 from sistap.imports.sampled import Row, SampledLine
 from sistap.imports.source import NS, Told
 from sistap.line.settings import LineSettings
+from sistap.terminal.advice import shell_word
 from sistap.terminal.exits import UsageError
 
 HEAD = 4000  # edges of a channel by which it is judged
@@ -44,6 +45,11 @@ class _Channel(NamedTuple):
         """Return when its characters begin."""
         return [character.start for character in self.reading.characters]
 
+    @property
+    def is_read(self) -> bool:
+        """Tell whether its characters are right."""
+        return self.reading.is_clean or self.reading.in_telegrams > 0
+
     def repeats(self, other: _Channel) -> bool:
         """Tell whether another channel has the same characters at the same time."""
         near = self.length // 20 or 1
@@ -64,7 +70,8 @@ class _Channel(NamedTuple):
     def said(self, lines: Sequence[_Channel]) -> str:
         """Say what it is, beside the lines of the bus."""
         if self in lines:
-            return f"channel {self.name}" + (", idle low (inverted)" if self.reading.is_inverted else "")
+            is_inverted = self.is_read and self.reading.is_inverted
+            return f"channel {self.name}" + (", idle low (inverted)" if is_inverted else "")
         if copied := next((line.name for line in lines if self.repeats(line)), None):
             return f"channel {self.name} is a copy of {copied}"
         if any(self.enables(line) for line in lines):
@@ -86,7 +93,7 @@ def opened(path: Path, wave: Wave, told: Told) -> SampledLine:
         first, second, *_ = lines
         raise UsageError(
             f"{path} has {len(lines)} channels that can be lines of the bus ({listed}): name those that are, such as "
-            f"--device {first.name} or --device {first.name},{second.name}"
+            f"--device {shell_word(first.name)} or --device {shell_word(f'{first.name},{second.name}')}"
         )
     source = SampledLine(
         path,
@@ -94,11 +101,12 @@ def opened(path: Path, wave: Wave, told: Told) -> SampledLine:
         told._replace(baud=settings.baud, format=settings.format, samplerate=told.samplerate or wave.samplerate),
         "the settings change in the file: import it once more with --baud and --format of the other part",
     )
-    how = "as given" if told.baud and told.format else "found by the pulses"
+    given = f"the {'rate' if told.baud else 'format'} as given" if told.baud or told.format else "found by the pulses"
+    how = "as given" if told.baud and told.format else given
     if not any(line.reading.in_telegrams for line in lines):
         how += ", without a telegram of SIS"
     source.settings_from = "; ".join([how, *(channel.said(lines) for channel in channels)])
-    if not any(line.reading.is_clean or line.reading.in_telegrams for line in lines):
+    if not any(line.is_read for line in lines):
         source.warning = f"these are not the settings of this line: {_cure(wave, channels)}"
     return source
 
@@ -136,7 +144,7 @@ def _settings(path: Path, wave: Wave, heads: Mapping[str, Line], told: Told) -> 
     listed = ", ".join(f"{name} is a clock" if head.is_clock else name for name, head in heads.items())
     raise UsageError(
         f"{path} has no channel with characters at a usual rate ({listed}): if one of them is a line of the bus, add "
-        f"--device {next(iter(heads))}, --baud and --format"
+        f"--device {shell_word(next(iter(heads)))}, --baud and --format"
     )
 
 
