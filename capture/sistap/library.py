@@ -24,7 +24,9 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
+from os import PathLike, fspath
 from pathlib import Path
+from types import UnionType
 from typing import TYPE_CHECKING, ParamSpec, Self, TypeVar
 
 from sistap.capture.options import CaptureOptions, checked, rate
@@ -49,6 +51,7 @@ from sistap.terminal.exits import Error, UsageError
 
 if TYPE_CHECKING:
     from sistap.annotate.sources import SourceError
+    from sistap.bus.scenarios.scenario import Scenario
     from sistap.packets.dissection import Packet
     from sistap.wireshark.tshark import TsharkError
 
@@ -113,7 +116,22 @@ def _naming(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _
     return named
 
 
+def _check(name: str, value: object, kinds: type | UnionType, right: str) -> None:
+    """Refuse an argument of another type."""
+    if not isinstance(value, kinds):
+        raise TypeError(f"{name} is {right}, not {value!r}")
+
+
+def _path(name: str, value: str | PathLike[str], more: str = "") -> str:
+    """Return a path as text."""
+    _check(name, value, str | PathLike, f"a text or a Path{more}")
+    if not (path := fspath(value)):
+        raise ValueError(f"{name} is empty")
+    return path
+
+
 def _seconds(name: str, value: float | None) -> float | None:
+    _check(name, value, int | float | None, "a number of seconds")
     if value is not None and not value >= 0:
         raise ValueError(f"{name}={value!r} is neither None nor a number of seconds from 0 on")
     return value
@@ -165,8 +183,8 @@ class _Messages:
 class Tap:
     """One port, or the two of a full-duplex line. Iterate over it, or read(). Each record comes once.
 
-    It reads the port only then: the time of what waited is less exact, and the system keeps 4096 characters. One
-    thread reads; any thread, or a signal handler, may close() it.
+    It reads the port only then: the time of what waited is less exact, and the system keeps only some 4096 characters.
+    One thread reads; any thread, or a signal handler, may close() it. A loop over a closed tap ends.
     """
 
     timeout: float | None  # s, of a read() that is not told another
@@ -174,7 +192,7 @@ class Tap:
     @_naming
     def __init__(  # noqa: PLR0913 - as `sistap capture`
         self,
-        *ports: str,
+        *ports: str | PathLike[str],
         baud: int | str = RATES[0],
         format: str | None = None,  # noqa: A002 - the word of the command
         framing: str = "sis",
@@ -190,11 +208,14 @@ class Tap:
         `format` as "8E1"; `framing` as sis, 3964r, ascii or silence:MS; the limits `tza_ms` and `trs_ms` of the bus.
         `timeout`: s that a read() waits; None: until something comes. After `duration_s` it ends by itself.
         """
-        if len(ports) not in {1, 2}:
+        paths = [_path("a port", port, ' such as "/dev/ttyUSB0" (the rate is baud=9600)') for port in ports]
+        _check("format", format, str | None, 'a text such as "8E1"')
+        _check("framing", framing, str, 'a text such as "sis"')
+        if len(paths) not in {1, 2}:
             raise ValueError(f"a tap has one port, or the two of a full-duplex line, not {len(ports)}")
         self.timeout = _seconds("timeout", timeout)
         options = CaptureOptions(
-            ports,
+            paths,
             baud=rate(str(baud)),
             format=format,
             follow_baud=follow_baud,
@@ -244,7 +265,7 @@ class Tap:
         """
         if self._is_closed and not self._sink.records:
             raise PortError("the tap is closed: open a new one, or ask is_open before read()")
-        return self._next(self.timeout if timeout is None else _seconds("timeout", timeout))
+        return self._next(_seconds("timeout", self.timeout if timeout is None else timeout))
 
     def __iter__(self) -> Iterator[Record]:
         """Yield records until the tap is closed or its time is over. PortLost if the port has gone."""
@@ -303,7 +324,7 @@ class Writer:
         `description` is what Wireshark calls the interface.
         """
         try:
-            self._output = Output(str(path), force=force)
+            self._output = Output(_path("path", path), force=force)
         except OutputRefused as refused:
             raise OutputRefused(refused.what, "; choose another path, or overwrite it with force=True") from None
         self._counters = Counters()
@@ -323,6 +344,7 @@ class Writer:
         """Write a record at once: a file that ends here is whole. OutputError if the disk takes no more."""
         if not self._is_open:
             raise OutputError("the file is closed: open another Writer")
+        _check("what a Writer writes", record, BareRecord, "a Record")
         self._writer.write(record)
         self._counters.add_record(record)
         self._end_ns = record.end_ns
@@ -338,12 +360,13 @@ class Writer:
 def read(path: str | Path) -> Iterator[Record]:
     """Yield the records of a capture of sistap, or the telegrams of a log of another program.
 
-    NotCaptured or SourceError says what is wrong with the file, OSError that it cannot be read.
+    NotCaptured or SourceError says what is wrong with the file, OSError that it cannot be read. The logger `sistap`
+    says if it is cut off, or a log without telegrams.
     """
     with Path(path).open("rb") as file:
         begin = file.read(len(_PCAPNG))
     is_capture = begin == _PCAPNG or (begin.startswith(_GZIP) and str(path).endswith(".pcapng.gz"))
-    yield from map(Interpreter().take, reading.records(Path(path)) if is_capture else _of_log(path))
+    yield from map(Interpreter().take, reading.records(Path(path), _LOG.warning) if is_capture else _of_log(path))
 
 
 def _of_log(path: str | Path) -> Iterator[BareRecord]:
@@ -356,6 +379,8 @@ def _of_log(path: str | Path) -> Iterator[BareRecord]:
         for line in batch:
             yield from (cut.record for cut in passage.feed(line).cuts)
     yield from (cut.record for cut in passage.end())
+    if not passage.telegrams:
+        _LOG.warning(f"{path} has no telegram of SIS; bytes found in it: {passage.bytes}")
 
 
 def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator[Packet]:
@@ -391,13 +416,21 @@ def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator
         except NotACapture as error:
             raise NotCaptured(str(error)) from None
         if dissection.warning:
-            _LOG.warning(dissection.warning)
+            _LOG.warning(f"{path}: {dissection.warning}")
 
 
 @_naming
-def play(name: str, *, seed: int = 1, duration_s: float) -> Iterator[Record]:
+def play(name: str, *, duration_s: float, seed: int = 1) -> Iterator[Record]:
     """Yield what a tap records of a scenario (`sistap bus --list`, or FILE.toml). ValueError for an unknown one."""
     from sistap.bus.scenarios import scenario
+
+    _check("duration_s", duration_s, int | float, "a number of seconds")
+    _check("seed", seed, int, "a whole number")
+    _seconds("duration_s", duration_s)
+    return _played(scenario.load(_path("name", name)), name, duration_s, seed)
+
+
+def _played(played: Scenario, name: str, duration_s: float, seed: int) -> Iterator[Record]:
     from sistap.bus.scenarios.scenario import Playing
     from sistap.bus.wires.recording import Recording
 
@@ -409,7 +442,6 @@ def play(name: str, *, seed: int = 1, duration_s: float) -> Iterator[Record]:
         def _write(self, record: BareRecord) -> None:
             records.append(record)
 
-    played = scenario.load(name)
     tap = Played(Stream(), played.settings, f"scenario {name}, seed {seed}", seed, 1, played.cut, played.lines)
     records.extend(tap.started)
     interpreter = Interpreter()

@@ -296,7 +296,29 @@ def test_a_capture_that_is_cut_off(day: list[sistap.Record], caplog: pytest.LogC
     cut = Path("day.pcapng").read_bytes()[:-200]
     Path("cut.pcapng").write_bytes(cut)
     assert 0 < len(list(sistap.dissect("cut.pcapng"))) < len(day)
-    assert "cut short" in caplog.text
+    assert "cut.pcapng: " in caplog.text and "cut short" in caplog.text
+    caplog.clear()
+    packed = gzip.compress(cut)[:-9]
+    Path("packed.pcapng.gz").write_bytes(packed)
+    for name in ("cut.pcapng", "packed.pcapng.gz"):
+        assert 0 < len(list(sistap.read(name))) < len(day)
+        assert f"{name} is cut off" in caplog.text
+    caplog.clear()
+    assert len(list(sistap.read("day.pcapng"))) == len(day) and not caplog.text
+
+
+@pytest.mark.parametrize(
+    ("log", "said"),
+    [
+        (b"nothing but words\n", "has no telegram of SIS; bytes found in it: 0"),
+        (b"01 02 03 04\n", "has no telegram of SIS; bytes found in it: 4"),
+        (READ.hex(" ").encode(), ""),
+    ],
+)
+def test_a_log_without_telegrams(tmp_path: Path, caplog: pytest.LogCaptureFixture, log: bytes, said: str) -> None:
+    (tmp_path / "a.log").write_bytes(log)
+    list(sistap.read(tmp_path / "a.log"))
+    assert [record.getMessage() for record in caplog.records] == ([f"{tmp_path / 'a.log'} {said}"] if said else [])
 
 
 # -- Names -------------------------------------------------------------------------------------------------------------

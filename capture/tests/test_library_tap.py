@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from itertools import pairwise
 from pathlib import Path
@@ -212,7 +212,7 @@ KEYWORDS = "baud=, format=, framing=, follow_baud=, tza_ms=, trs_ms=, timeout=, 
         (lambda: sistap.Tap("/dev/x", limits="--trs 1"), f"Tap has no limits=; it has {KEYWORDS}"),  # type: ignore[call-arg]
         (lambda: sistap.Tap("/dev/x", baudrate=9600), f"Tap has no baudrate=; it has {KEYWORDS}"),  # type: ignore[call-arg]
         (lambda: sistap.Writer("x", overwrite=1), "Writer has no overwrite=; it has path=, description=, force="),  # type: ignore[call-arg]
-        (lambda: sistap.play("demo", time=1), "play has no time=; it has name=, seed=, duration_s="),  # type: ignore[call-arg]
+        (lambda: sistap.play("demo", time=1), "play has no time=; it has name=, duration_s=, seed="),  # type: ignore[call-arg]
         (lambda: sistap.play("demo"), "missing 1 required keyword-only argument: 'duration_s'"),  # type: ignore[call-arg]
     ],
 )
@@ -243,8 +243,49 @@ def test_a_value_that_is_wrong(keywords: dict[str, object], said: str) -> None:
         sistap.Tap("/dev/no-such-port", **keywords)  # type: ignore[arg-type]
 
 
+PORT = 'a port is a text or a Path such as "/dev/ttyUSB0" (the rate is baud=9600), not '
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "said"),
+    [
+        (lambda _: sistap.Tap("/dev/x", 9600), TypeError, f"{PORT}9600"),  # type: ignore[arg-type]
+        (lambda _: sistap.Tap("/dev/x", 9600, 8), TypeError, f"{PORT}9600"),  # type: ignore[arg-type]
+        (lambda _: sistap.Tap(5), TypeError, f"{PORT}5"),  # type: ignore[arg-type]
+        (lambda _: sistap.Tap(None), TypeError, f"{PORT}None"),  # type: ignore[arg-type]
+        (lambda _: sistap.Tap(["/dev/x"]), TypeError, f"{PORT}['/dev/x']"),  # type: ignore[arg-type]
+        (lambda _: sistap.Tap(""), ValueError, "a port is empty"),
+        (lambda _: sistap.Tap("/dev/x", timeout="a"), TypeError, "timeout is a number of seconds, not 'a'"),  # type: ignore[arg-type]
+        (lambda _: sistap.Tap("/dev/x", format=8), TypeError, 'format is a text such as "8E1", not 8'),  # type: ignore[arg-type]
+        (lambda _: sistap.Tap("/dev/x", framing=None), TypeError, 'framing is a text such as "sis", not None'),  # type: ignore[arg-type]
+        (lambda _: sistap.play("demo", duration_s="x"), TypeError, "duration_s is a number of seconds, not 'x'"),  # type: ignore[arg-type]
+        (lambda _: sistap.play("demo", duration_s=None), TypeError, "duration_s is a number of seconds, not None"),  # type: ignore[arg-type]
+        (lambda _: sistap.play("demo", duration_s=-1), ValueError, "duration_s=-1 is neither None nor a number of"),
+        (lambda _: sistap.play("demo", duration_s=1, seed="x"), TypeError, "seed is a whole number, not 'x'"),  # type: ignore[arg-type]
+        (lambda _: sistap.play("no", duration_s=1), ValueError, "no is neither FILE.toml nor a built-in scenario"),
+        (lambda _: sistap.Writer(None), TypeError, "path is a text or a Path, not None"),  # type: ignore[arg-type]
+        (lambda path: sistap.Writer(path).write(None), TypeError, "what a Writer writes is a Record, not None"),  # type: ignore[arg-type]
+        (lambda _: next(sistap.dissect([1])), TypeError, "what a Writer writes is a Record, not 1"),  # type: ignore[list-item]
+    ],
+)
+def test_an_argument_that_is_wrong(
+    call: Callable[[Path], object], kind: type[Exception], said: str, tmp_path: Path
+) -> None:
+    """At once, and with what is right."""
+    with pytest.raises(kind) as caught:
+        call(tmp_path / "new.pcapng")
+    assert str(caught.value).startswith(said)
+
+
+@terminals
+def test_a_port_as_a_path(line: Line) -> None:
+    with sistap.Tap(Path(line.name)) as tap:
+        record = tap.read(LONG_S)
+    assert record and line.name in record.data.decode()
+
+
 def test_one_port_twice() -> None:
-    with pytest.raises(ValueError, match="is the same port again"):
+    with pytest.raises(ValueError, match="is the same port again: the second one is that of the other direction"):
         sistap.Tap("/dev/no-such-port", "/dev/no-such-port")
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -145,6 +146,14 @@ def test_a_token_needs_no_reaction(bus: Bus) -> None:
     bus.say(token)
     bus.say(read)
     assert bus.say(reaction).command is None
+
+
+def test_elements_are_named_as_in_wireshark(bus: Bus) -> None:
+    """Fig. 8-1; the useful data is the value."""
+    codes = tomllib.loads((CAPTURES.parent / "plugin/protocol/codes.toml").read_text("utf-8"))["elements"]["codes"]
+    names = [bus.ask(READ, int(code) << 3 | 4, S36).element for code in codes]
+    assert names == [name.lower().replace("operating data", "value") for name in codes.values()]
+    assert len(names) == 8
 
 
 @pytest.mark.parametrize("ident", ["03 04 00", "01 04 80"])

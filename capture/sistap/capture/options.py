@@ -160,7 +160,7 @@ def _check_ports(options: CaptureOptions) -> None:
             raise UsageError(f"{port} is the terminal that sistap itself reads or writes: choose another port with -i")
     first, last = options.ports[0], options.ports[-1]
     if len(options.ports) > 1 and (first == last or ports.is_same_file(first, last)):
-        raise UsageError(f"{last} is the same port again: the second -i is the port of the other direction")
+        raise UsageError(f"{last} is the same port again: the second one is that of the other direction")
     if _host(first) != _host(last):
         raise UsageError(
             f"{first} and {last} have two clocks, and their times cannot be compared: tap both at one computer"

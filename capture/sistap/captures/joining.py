@@ -165,13 +165,15 @@ class _Joining:
             self._has_section = False
         try:
             with reading.opened(capture) as source:
-                size = sum(self._take(block, capture) for block in reading.blocks(source, capture))
-                return "" if size == source.tell() else f"{capture} is cut off"
+                damages: list[str] = []
+                for block in reading.blocks(source, capture, damages.append):
+                    self._take(block, capture)
+                return "".join(damages)
         except NotCaptured as error:
             return str(error)
 
-    def _take(self, block: reading.Block, capture: Path) -> int:
-        """Append a block if it is a packet or new; return its size."""
+    def _take(self, block: reading.Block, capture: Path) -> None:
+        """Append a block if it is a packet or new."""
         kind, order, body = block
         if order != "<" or kind in _OTHER_PACKETS:
             raise NotCaptured(f"{capture} was not written by sistap: read it alone")
@@ -191,7 +193,6 @@ class _Joining:
                 raise NotCaptured(f"{capture} is damaged: a packet names interface {number}, which is not there")
             self._write(kind, struct.pack("<I", self._numbers[number]) + body[4:])
             self._packets += 1
-        return len(body) + 12
 
     def _write(self, kind: int, body: bytes) -> None:
         self._file.write(pcapng.block(kind, body))

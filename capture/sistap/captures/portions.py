@@ -102,17 +102,13 @@ def _pieces(capture: Path, most: int, say: Callable[[str], None]) -> Iterator[li
 
 def _blocks(capture: Path, say: Callable[[str], None]) -> Iterator[reading.Block]:
     """Yield the blocks of a capture; report where it is damaged."""
-    size, damage = 0, ""
+    damages: list[str] = []
     try:
         with reading.opened(capture) as source:
-            for block in reading.blocks(source, capture):
-                size += len(block.body) + 12
-                yield block
-            if size != source.tell():
-                damage = f"{capture} is cut off"
+            yield from reading.blocks(source, capture, damages.append)
     except (OSError, NotCaptured) as error:
-        damage = str(error)
-    if damage:
+        damages.append(str(error))
+    for damage in damages:
         say(f"{capture}: only what comes before the damage: {damage}")
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import gzip
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import BinaryIO, NamedTuple, cast
 
@@ -24,6 +24,8 @@ _MICROSECONDS = 6  # decimal places without the option
 _FIXED = {pcapng.SECTION_HEADER: 16, pcapng.INTERFACE_DESCRIPTION: 8, pcapng.ENHANCED_PACKET: 20}
 _PACKED = b"\x1f\x8b"  # gzip
 _CURE = "open and save it in Wireshark"
+
+Say = Callable[[str], object]
 
 
 class NotCaptured(Error, ValueError):
@@ -53,13 +55,13 @@ class _Interface(NamedTuple):
     description: bytes
 
 
-def records(path: Path) -> Iterator[Record]:
-    """Yield all records in the order of the file; a file that is cut off within a block ends before that block.
+def records(path: Path, say: Say = lambda _: None) -> Iterator[Record]:
+    """Yield all records in the order of the file; one that is cut off ends early, and `say` is told so.
 
     Raise OSError, or NotCaptured for any other file.
     """
     found = False
-    for packet in packets(path):
+    for packet in packets(path, say):
         try:
             one = record_of(packet)
         except (ValueError, IndexError) as error:
@@ -82,11 +84,11 @@ def record_of(packet: Packet) -> Record | None:
     return None if payload is None else record.unpack(payload, packet.time_ns)
 
 
-def packets(path: Path) -> Iterator[Packet]:
+def packets(path: Path, say: Say = lambda _: None) -> Iterator[Packet]:
     """Yield all packets of interfaces that the file describes. Raise OSError or NotCaptured."""
     with opened(path) as file:
         interfaces: list[_Interface] = []
-        for kind, order, body in blocks(file, path):
+        for kind, order, body in blocks(file, path, say):
             if kind == pcapng.SECTION_HEADER:
                 interfaces = []
             elif kind == pcapng.INTERFACE_DESCRIPTION:
@@ -110,19 +112,21 @@ def opened(path: Path) -> BinaryIO:
     return cast(BinaryIO, gzip.GzipFile(path)) if is_packed else path.open("rb")
 
 
-def blocks(file: BinaryIO, path: Path) -> Iterator[Block]:
-    """Yield each whole block of the file named `path`. Raise OSError or NotCaptured."""
+def blocks(file: BinaryIO, path: Path, say: Say = lambda _: None) -> Iterator[Block]:
+    """Yield each whole block of the file named `path`; `say` that it is cut off. Raise OSError or NotCaptured."""
     try:
         yield from _blocks(file, path)
-    except EOFError:  # a compressed one that is cut off
-        return
+    except EOFError:  # of a compressed one, too
+        say(f"{path} is cut off")
     except (zlib.error, gzip.BadGzipFile) as error:
         raise NotCaptured(f"{path} is damaged: {error}; {_CURE}") from None
 
 
 def _blocks(file: BinaryIO, path: Path) -> Iterator[Block]:
     order = ""
-    while len(head := file.read(8)) == 8:
+    while head := file.read(8):
+        if len(head) < 8:
+            raise EOFError
         if head[:4] == struct.pack("<I", pcapng.SECTION_HEADER):
             magic = file.read(4)
             order = {struct.pack(f"{order}I", _MAGIC): order for order in "<>"}.get(magic, "")
@@ -134,7 +138,7 @@ def _blocks(file: BinaryIO, path: Path) -> Iterator[Block]:
             raise NotCaptured(f"{path} is damaged: a block says it has {length} bytes; {_CURE}")
         body = file.read(length - 8)[:-4]
         if len(body) < length - 12:
-            return
+            raise EOFError
         if len(body) < _FIXED.get(kind, 0):
             raise NotCaptured(f"{path} is damaged: a block of kind {kind} has only {len(body)} bytes; {_CURE}")
         yield Block(kind, order, body)

@@ -16,7 +16,8 @@ from sistap.sis.telegram import Header, general, has_control, is_whole, parse, s
 from sistap.sis.told import ATTRIBUTE, NAME, UNIT, Place, Told
 from sistap.telegrams.values import Attribute, Value, value
 
-_ELEMENTS = ("channel", "ident", "name", "attribute", "unit", "minimum", "maximum", "value")  # fig. 8-1
+# Fig. 8-1, as in Wireshark; there, a value is "Operating data".
+_ELEMENTS = ("channel not active", "ident number", "name", "attribute", "unit", "minimum", "maximum", "value")
 _WHOLE_VALUE = 0x3C  # the control byte of a value that is not in pieces
 _WHOLE = (0x10, 0x1F)  # services that read and write a parameter; the others a segment of a list
 _WRITES = (0x1E, 0x1F)
@@ -34,7 +35,7 @@ class Telegram(NamedTuple):
     station: str  # that a command is for, or a reaction is from: "3", behind routers "3/2/8"
     device: int | None  # its device, in services of parameters
     parameter: str  # "S-0-0040"; of a reaction only if its command was heard
-    element: str  # of the parameter: value, name, unit, attribute, minimum, maximum, ident or channel
+    element: str  # of the parameter: value, name, unit, attribute, minimum, maximum, ident number, channel not active
     name: str  # of the parameter, as the bus told it, or as the standard says
     unit: str  # of the value, as the bus told it: "rpm"
     value: Value | None  # of the parameter; None: the bus has not told its attribute, it has several parts, or an error
