@@ -276,23 +276,21 @@ class Tap:
         end_s = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
             left_s = READ_TIMEOUT_S if end_s is None else end_s - time.monotonic()
-            has_come = self._look(left_s)
+            self._look(left_s)
             if record := self._taken():
                 return record
-            if self._has_ended or (left_s <= 0 and not has_come):
+            if self._has_ended or left_s <= 0:
                 return None
 
-    def _look(self, most_s: float) -> bool:
-        """Read for so long at most, if nothing waits; tell whether anything came."""
-        has_come = False
+    def _look(self, most_s: float) -> None:
+        """Read for so long at most, if nothing waits."""
         with self._lock, self._held():
             if not (self._has_ended or self._is_closed or self._sink.records):
-                has_come = self._capture.turn(min(max(most_s, _SHORTEST_S), READ_TIMEOUT_S))
+                self._capture.turn(min(max(most_s, _SHORTEST_S), READ_TIMEOUT_S))
             if not self._has_ended and (self._is_closed or self._capture.is_over):
                 self._has_ended = True
                 self._capture.end()
                 self._opened.close()
-        return has_come
 
     @contextmanager
     def _held(self) -> Iterator[None]:

@@ -76,6 +76,20 @@ def test_a_read_that_nothing_ends_returns_none_at_its_time_out(line: Line, tap: 
 
 
 @terminals
+def test_characters_that_make_no_telegram_do_not_delay_it(line: Line, tap: sistap.Tap) -> None:
+    """As long as one comes before each look, or the read would never end."""
+    left = iter(range(100))
+
+    def come(_: float) -> bool:
+        line.send(b"U")
+        return next(left) >= 0
+
+    tap._capture.turn = come  # type: ignore[method-assign]
+    assert tap.read(0) is None
+    assert next(left) == 1
+
+
+@terminals
 def test_the_time_out_of_the_tap_is_that_of_its_reads_and_not_of_a_loop(line: Line) -> None:
     with sistap.Tap(line.name, timeout=0.01) as tap:
         assert tap.read() is not None
