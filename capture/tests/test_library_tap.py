@@ -76,7 +76,9 @@ def test_a_read_that_nothing_ends_returns_none_at_its_time_out(line: Line, tap: 
 
 
 @terminals
-def test_characters_that_make_no_telegram_do_not_delay_it(line: Line, tap: sistap.Tap) -> None:
+def test_characters_that_make_no_telegram_do_not_delay_it(
+    line: Line, tap: sistap.Tap, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """As long as one comes before each look, or the read would never end."""
     left = iter(range(100))
 
@@ -84,7 +86,7 @@ def test_characters_that_make_no_telegram_do_not_delay_it(line: Line, tap: sista
         line.send(b"U")
         return next(left) >= 0
 
-    tap._capture.turn = come  # type: ignore[method-assign]
+    monkeypatch.setattr(tap._capture, "turn", come)
     assert tap.read(0) is None
     assert next(left) == 1
 
