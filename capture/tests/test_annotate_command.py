@@ -114,7 +114,7 @@ def test_a_log_of_another_protocol_says_so(log: Path, capfdbinary: pytest.Captur
     log.write_text("02 0E 01 64 E0 00 00 00 00 00 00 00 00 00 00 89\n" * 6)
     assert cli.main(["annotate", str(log)]) == 0
     *_, last = capfdbinary.readouterr().out.decode().splitlines()
-    assert last.startswith("^-- No SIS: none of ") and "another protocol, rate or format? Check protocol" in last
+    assert last.startswith("^-- No SIS: none of ") and "another protocol, rate or format? It may be" in last
 
 
 # Of USS: the third line and half of the fourth have equal lengths, and a wrong checksum of SIS.

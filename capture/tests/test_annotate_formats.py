@@ -126,6 +126,12 @@ def test_a_wrong_checksum_is_a_frame() -> None:
     assert record.checksum_bad
 
 
+def test_equal_lengths_alone_are_no_telegram() -> None:
+    """A solar inverter begins with 02, too: 05 is its address, 02 02 its lengths and its command."""
+    log = "02 05 02 02 60 01 A1 B8 03\n02 06 02 9D 60 01 15 D5 02 FA F0 C9 31 FF 5D A0 52 36 49 1E 94 03\n"
+    assert {record.type for record in records(log)} == {Type.OTHER}
+
+
 @pytest.mark.parametrize(
     "line",
     [

@@ -44,16 +44,26 @@ class AnyReader:
         self._doubtful = 0  # lines that were read without a choice, or have numbers and nothing was read
         self._reader = ChosenReader(ANYTHING)
         self._is_chosen = False
+        self._is_alone = True  # nearly all bytes up to now are of damaged telegrams
         if sample is not None:
             self._choose(sample)
             self._doubtful = len(self._kept)
             if not self._is_chosen:
-                self._reader.choice = ANYTHING._replace(reads_few=_has_bytes(self._kept, framing))
+                frames, _, widest = _sizes(self._kept, framing)
+                self._reader.choice = ANYTHING._replace(reads_few=bool(frames) or widest >= PAIRS.enough)
 
     @property
     def notation(self) -> str:
         """Name the notation if it is not the usual one."""
         return self._reader.choice.name
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether a damaged telegram is one: the log has right ones, too, or hardly anything else."""
+        if not self._is_chosen and self._is_alone:
+            frames, others, _ = _sizes(self._kept, self._framing)
+            self._is_alone = frames > 2 * others
+        return self._is_chosen or self._is_alone
 
     def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line."""
@@ -92,14 +102,14 @@ def _windows(prepared: list[Prepared]) -> Iterator[list[Prepared]]:
         yield prepared[-_LINES:]
 
 
-def _has_bytes(lines: Iterable[LogLine], framing: Cut) -> bool:
-    """Tell whether a log without right telegrams has bytes at all: four side by side, or damaged frames."""
+def _sizes(lines: Iterable[LogLine], framing: Cut) -> tuple[int, int, int]:
+    """Count, of a log without right telegrams, the bytes of damaged ones, other bytes, and the most side by side."""
     reader, cutter = ChosenReader(ANYTHING), RecordCutter(framing)
-    for line in lines:
-        for piece in reader.contents(line).pieces:
-            if len(piece.run.data) >= PAIRS.enough or any(cut.record.type == Type.FRAME for cut in cutter.feed(piece)):
-                return True
-    return any(cut.record.type == Type.FRAME for cut in cutter.end())
+    pieces = [piece for line in lines for piece in reader.contents(line).pieces]
+    records = [cut.record for cut in [cut for piece in pieces for cut in cutter.feed(piece)] + cutter.end()]
+    frames = sum(len(record.data) for record in records if record.type == Type.FRAME)
+    sizes = [len(piece.run.data) for piece in pieces]
+    return frames, sum(sizes) - frames, max(sizes, default=0)
 
 
 class _Chooser:

@@ -71,6 +71,10 @@ class LogReader(Protocol):
     def notation(self) -> str:
         """Name how the bytes are written, for a message; nothing if it is usual or known."""
 
+    @property
+    def is_trusted(self) -> bool:
+        """Whether a damaged telegram is one, and not bytes of another protocol."""
+
     def contents(self, line: LogLine) -> Contents:
         """Find what a line holds."""
 
