@@ -77,7 +77,7 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
         "02 6C 00 00 00 92 00 00                         .l......\n"
         "2013-03-14 08:21:14.677000: /dev/ttyUSB0\n"
         "02 56 02 02 10 92 00 00 00 02                   .V........\n",
-        [Expected(SET_RATE, 1, 0), Expected(READ_PHASE, 1, 100), Expected(PHASE, 1, 136)],
+        _shared(0, 100, 136),
     ),
     "jpnevulator, two ports": (
         "2013-03-14 08:21:14.541000: /dev/ttyS0\n"
@@ -293,7 +293,7 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
     "step 7, words": (
         "FETCH DB10 DW0\nDB10.DBW 0 HEX W#16#026C\nMW 2: W#16#0000\nW#16#0092\nW#16#0000\n"
         "SEND DB10\nDW#16#0256_0202 DW#16#1092_0000\nWORD#16#0002\n",
-        EVEN,
+        [Expected(READ_PHASE), Expected(PHASE, SENT)],
     ),
     "step 7, words in a line": (
         "W#16#026C W#16#0000, W#16#0092 W#16#0000\nDB10 02 56 02 02 10 92 00 00 00 02\n",
@@ -453,7 +453,7 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
         "02|6C|00|00|00|92|00|00| | | | | | | | || . l . . . . . .\n"
         "28/12/2022@22:43:10.965::Packet[00000003l]<<Serial [1] [[COM5] - USB Serial Port] Received 10 bytes.\n"
         "02|56|02|02|10|92|00|00|00|02| | | | | | || . V . . . . . . . .\n",
-        _shared(0, 100, 136),
+        SENT_AND_RECEIVED,
     ),
     "matlab": (
         "tx =\n\n     2   108     0     0     0   146     0     0\n\n"

@@ -47,6 +47,7 @@ class AnyReader:
         self._is_alone = True  # nearly all bytes up to now are of damaged telegrams
         if sample is not None:
             self._choose(sample)
+            self._reader.look(sample)
             self._doubtful = len(self._kept)
             if not self._is_chosen:
                 frames, _, widest = _sizes(self._kept, framing)
@@ -128,14 +129,14 @@ class _Chooser:
         return best._replace(name=self._name(best)) if best.notations else None
 
     def _longer(self) -> Choice:
-        """Try all notations and places; add to the best as long as that makes more telegrams."""
+        """Try all notations and places; add to the best as long as that makes more of telegrams than of others."""
         best, score = Choice(()), Score()
         likely, unlikely = self._candidates()
         candidates = likely
         while True:
             tried = [self._tried(best.joined(candidate)) for candidate in candidates]
-            better, choice = max(tried, key=lambda one: one[0], default=(score, best))
-            if better.telegrams <= score.telegrams:
+            better, choice = max(tried, key=lambda one: sum(one[0]), default=(score, best))
+            if sum(better) <= sum(score):
                 return best
             best, score = choice, better
             candidates = likely + [one for one in unlikely if one.notations[0] in best.notations or not one.places]

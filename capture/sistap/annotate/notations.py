@@ -246,16 +246,25 @@ def _before_column(text: str, run: Run) -> int | None:
     if len(run.data) > _WIDEST:
         return None
     length, spans = len(text.rstrip()), None
-    # The column is no wider than the number of bytes, and ends the line.
-    for gap in _COLUMN.finditer(text, max(run.start, length - len(run.data) - _BORDERS)):
+    # The column is no wider than the number of bytes, each with a blank, and ends the line.
+    for gap in _COLUMN.finditer(text, max(run.start, length - 2 * len(run.data) - _BORDERS)):
         column = text[gap.end() :].rstrip().rstrip("|'\"*").rstrip()
-        if not column or len(column) > len(run.data):
+        if not column:
             continue
         spans = spans or run.spans()
         count = sum(end <= gap.start() for _, end in spans)
-        if len(column) <= count and _shows(column.ljust(count), run.data[:count]):
+        if any(len(one) <= count and _shows(one.ljust(count), run.data[:count]) for one in _columns(column)):
             return spans[count - 1][1]
     return None
+
+
+def _columns(column: str) -> Iterator[str]:
+    """Yield the characters of a column: all, without a blank in front of it, and without one in front of each."""
+    yield column
+    if column[0] == " ":
+        yield column[1:]
+        if not column[::2].strip():
+            yield column[1::2]
 
 
 def _shows(column: str, data: bytes) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict, deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -132,6 +132,7 @@ class ChosenReader:
         self._timestamps = TimestampParser()
         self._marks = Marks()
         self._state = State()
+        self._above: int | None = None  # what the line directly above seems to say about the direction
         # By notation: what stood in front of bytes.
         self._places: defaultdict[str, set[str]] = defaultdict(set)
 
@@ -144,6 +145,11 @@ class ChosenReader:
             text = _COLOUR.sub(lambda match: " " * len(match[0]), text)
         stamps = self._timestamps.find(text)
         return Prepared(line, _mask(text, stamps), stamps)
+
+    def look(self, lines: Iterable[LogLine]) -> None:
+        """Look at lines that are read later."""
+        for line in lines:
+            self._marks.note(line.text)
 
     def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line."""
@@ -168,6 +174,9 @@ class ChosenReader:
                 state.stamp = left.popleft().stamp
             if mark := self._marks.find(masked[end : run.start].rstrip(_BRACKETS)):
                 state.direction = mark[0]
+            elif self._above is not None:
+                state.direction = self._above
+            self._above = None
             pieces.append(state.piece(line, run))
             end = run.end
         return Contents(pieces, _foreign(masked, data) if len(data) > 1 else "")
@@ -215,6 +224,8 @@ class ChosenReader:
             direction = self._marked(masked)
         if direction := direction or marks.joined(masked):
             self._state.direction = direction
+        if masked.strip():
+            self._above = None if direction else marks.beginning(masked)
 
     def _marked(self, text: str, *, shows: bool = False) -> int | None:
         """Return the direction of a text that says nothing else. With `shows`, characters may follow an arrow."""
