@@ -22,6 +22,7 @@ from sistap.sis.telegram import STATIC_LENGTH, checksum_good
 
 LONGEST = 1 << 20  # bytes of a file by which it is chosen
 _LINES = 1000  # enough for a choice
+_SEVERAL = 100  # bytes of telegrams that are none by chance, among ten times as many others: a dump of whole packets
 _PLACES = 8  # of a notation are tried: those with most bytes
 _JUDGED = (Framing.SIS, Framing.PROCEDURE_3964R)  # their frames have a checksum
 _BEGINNING = re.compile(rb"(?=\x02.(.)\1)", re.DOTALL)  # of a telegram: start, checksum, equal lengths
@@ -32,6 +33,9 @@ class Score(NamedTuple):
 
     telegrams: int = 0
     others: int = 0
+
+
+_NOTHING = Score(0, -LONGEST)
 
 
 class AnyReader:
@@ -130,7 +134,7 @@ class _Chooser:
 
     def _longer(self) -> Choice:
         """Try all notations and places; add to the best as long as that makes more of telegrams than of others."""
-        best, score = Choice(()), Score()
+        best, score = Choice(()), _NOTHING
         likely, unlikely = self._candidates()
         candidates = likely
         while True:
@@ -167,9 +171,9 @@ class _Chooser:
         return self._framing != SIS or any(end <= len(data) and checksum_good(data[at:end]) for at, end in ends)
 
     def _tried(self, choice: Choice) -> tuple[Score, Choice]:
-        """Return the score of a choice: nothing if it makes mostly other bytes."""
+        """Return the score of a choice: nothing if it makes mostly other bytes, unless there are several telegrams."""
         score = self._score(choice)
-        return (score if score.telegrams > -score.others else Score()), choice
+        return (score if score.telegrams > min(-score.others, _SEVERAL - score.others // 10) else _NOTHING), choice
 
     def _score(self, choice: Choice) -> Score:
         reader, cutter = ChosenReader(choice), RecordCutter(self._framing)

@@ -18,9 +18,10 @@ _H = "[0-9A-Fa-f]{1,2}"
 # Not within a number, a name or a path. What begins with a mark may follow another: $02$6C.
 _BEFORE, _AFTER = r"(?:(?<![\w.#/+\\$])|(?=[$%\\]))", r"(?!\w|\.\d|#)"
 _MARK = r"0[xX]|&[hH]|[$%]|\\x|(?:(?i:B|BYTE)#)?16#"
-# Words of a Siemens or IEC 61131 program, high byte first: W#16#02E1, DW#16#02E1_0505, 16#02E1, and KH=02E1 of an S5.
-_MARK_OF_WORD = r"(?:(?i:D?W|D?WORD)#)?16#|KH\s*=?\s*|0[xX]"
-_GAP = re.compile(r"[ \t]+|[^\w.\x00-\x08]{0,5}")  # between two numbers of a run
+# Words of a Siemens or IEC 61131 program, high byte first: W#16#02E1, DW#16#02E1_0505, 16#02E1, and KH=02E1 of an S5;
+# and \x02E1 of a data base.
+_MARK_OF_WORD = r"(?:(?i:D?W|D?WORD)#)?16#|KH\s*=?\s*|0[xX]|\\x"
+_GAP = re.compile(r"[ \t]+|(?!:\s)[^\w.\x00-\x08]{0,5}")  # between two numbers of a run
 _BITS = re.compile(r"[01]{8}(?: [01]{8})+")
 _WIDEST = 256  # bytes in a line of a dump
 _BORDERS = 6  # characters around the column
@@ -60,7 +61,7 @@ class Numbers(NamedTuple):
         found: list[Run] = []
         numbers = [*self.number.finditer(text)] if self.hint.search(text) else []
         for first, last in _evenly(text, numbers, by_length=self.is_joined):
-            if self.is_joined and len(numbers[first][0]) == len("02"):
+            if self.is_joined and first < last and len(numbers[first][0]) == len("02"):
                 continue
             run = self.run(text, numbers[first].start(), numbers[last].end())
             if (end := _before_column(text, run)) is not None:
@@ -117,7 +118,7 @@ class Text(NamedTuple):
 Notation = Numbers | Text
 
 _BASES = {"hex": 16, "octal": 8, "decimal": 10}
-_LETTERS = dict(zip("abfnrtvslp", b"\a\b\f\n\r\t\v \n\f", strict=True))
+_LETTERS = dict(zip("abefnrtvslp", b"\a\b\x1b\f\n\r\t\v \n\f", strict=True))
 
 
 def _value(one: re.Match[str]) -> int:
@@ -149,7 +150,7 @@ NOTATIONS: tuple[Notation, ...] = (
     _text(
         "text with escapes of C or Python",
         r"\\[x0-7]|\bb['\"]",
-        rf"\\x(?P<hex>{_HH})|\\(?P<octal>[0-3]?[0-7]{{1,2}})|\\(?P<letter>[abfnrtv\\'\"])",
+        rf"\\x(?P<hex>{_HH})|\\(?P<octal>[0-3]?[0-7]{{1,2}})|\\(?P<letter>[^x0-7])",
         _quoted(r"\\"),
         is_plain=True,
     ),
@@ -160,7 +161,7 @@ NOTATIONS: tuple[Notation, ...] = (
         f"(?:{_MARK})?({_H})[hH]?",
         4,
     ),
-    _numbers("words", "16#|KH|0[xX]", rf"(?:{_MARK_OF_WORD}){_HH}(?:_?{_HH})+", rf"(?:{_MARK_OF_WORD}|_)?({_HH})", 4),
+    _numbers("words", r"16#|KH|0[xX]|\\x", rf"(?:{_MARK_OF_WORD}){_HH}(?:_?{_HH})+", rf"(?:{_MARK_OF_WORD}|_)?({_HH})", 4),
     _JOINED,
     _numbers("hexadecimal without leading zeros", _H, _H, f"({_H})", 8, is_plain=False),
     _numbers("decimal", r"\d", _DECIMAL, r"((?:(?<!\d)-)?\d+)", 8, base=10, is_plain=False),

@@ -30,7 +30,7 @@ _CLOCK = (
     r"(?:\s?(?P<half>[AaPp])\.?[Mm]\b\.?(?:\.(?P<behind>\d{1,9}))?)?(?:\s?(?P<zone>Z|[+-]\d\d:?\d\d)(?!\w))?"
 )
 # Not inside other numbers, nor part of bytes that are joined with colons.
-_BEFORE, _AFTER = r"(?<![\d:.,/-])", r"(?!\d|[:.][0-9A-Fa-f])"
+_BEFORE, _AFTER = r"(?<![\d:.,/-])(?<!:[0-9A-Fa-f])", r"(?!\d|[:.][0-9A-Fa-f])"
 _STAMP = re.compile(rf"{_BEFORE}(?:{_DATE}[T_,;]?\s*(?:-\s*)?)?{_CLOCK}{_AFTER}")
 _DATE_ALONE = re.compile(rf"{_BEFORE}{_DATE}(?![\d:./-])")
 _SECONDS = re.compile(r"^\s*(?:[\[(]\s*)?(?P<seconds>\d{1,10})\.(?P<fraction>\d{3,9})\d*\s*[\])]?(?=[\s:;,]|$)")
