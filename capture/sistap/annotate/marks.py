@@ -31,7 +31,7 @@ _ARROW = rf"(?:{_ARROW})(?=[\s\]:◇◆]|$)"
 # not part of a bracket around the data.
 _MARK = re.compile(
     rf"(?:(?<![^\W_{MASK}])(?<![</-])|(?<=[a-z])(?=[A-Z]))(?i:({_WORD}))\d?(?![^\W_{MASK}]|/)(?:\s*{_ARROW})?"
-    rf"|(?<![^\W_{MASK}])(?:(?<![<>=-])(?i:([{_LETTER}]))(?! *\()(?=[\W\d{MASK}]*$)|(?<![<>=\"'/-])({_ARROW}))|(发|收)"
+    rf"|(?<![^\W_{MASK}])(?:(?<![<>=-])(?i:([{_LETTER}]))(?! *\()(?=[\W\d{MASK}]*$)|(?<![<>=\"'/-])({_ARROW})(?! *\())|(发|收)"
 )
 
 _BEGINS = re.compile(rf"(?:^|[:)>|\]{MASK}])\s*[A-Za-z]*$")

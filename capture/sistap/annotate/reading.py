@@ -24,7 +24,7 @@ from sistap.explain.fields import EXPLANATION
 
 # Lines that annotate or log added, after spaces, are never read.
 _EXPLANATION = re.compile(rf"\s*{re.escape(EXPLANATION)}")
-_BRACKETS = "<[({"  # directly in front of bytes these are not marks
+_BRACKETS = "<[{"  # directly in front of bytes these are not marks; a letter in front of ( is none, either
 _WAY_BACK = re.compile(r"IRP_MJ_WRITE\W+UP\b")  # Windows' drivers pass a request down, then up with the same bytes
 _COLOUR = re.compile(r"\x1b\[[\d;]*[A-Za-z]")  # of a terminal
 # What may stand beside a mark in a line of its own: its name, and a count.
