@@ -9,9 +9,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from itertools import groupby, pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from sistap.annotate.marks import MASK
+
+T = TypeVar("T")
 
 _HH = "[0-9A-Fa-f]{2}"
 _H = "[0-9A-Fa-f]{1,2}"
@@ -22,10 +24,11 @@ _MARK = r"0[xX]|&[hH]|[$%]|\\x|(?:(?i:B|BYTE)#)?16#"
 # and \x02E1 of a data base.
 _MARK_OF_WORD = r"(?:(?i:D?W|D?WORD)#)?16#|KH\s*=?\s*|0[xX]|\\x"
 _GAP = re.compile(r"[ \t]+|(?!:\s)[^\w.\x00-\x08]{0,5}")  # between two numbers of a run
-_BITS = re.compile(r"[01]{8}(?: [01]{8})+")
+_BITS_ALONE = re.compile(r"[01]{8}(?: [01]{8})+")
 _WIDEST = 256  # bytes in a line of a dump
 _BORDERS = 6  # characters around the column
 _COLUMN = re.compile(r"(?: {2,}|\t|[ \t]*\||[ \t]+(?=['\"*]))['\"*|]?")
+_WORD = re.compile(r"\w")
 _SEPARATORS = {" ": "spaces", ",": "commas", ";": "semicolons", "-": "dashes", ":": "colons", "\t": "tabs", "": ""}
 
 
@@ -41,6 +44,8 @@ class Run(NamedTuple):
     def spans(self) -> list[tuple[int, int]]:
         """Return where in the line each byte is written."""
         spans = [(self.start + one.start(), self.start + one.end()) for one in _BYTE[self.form].finditer(self.text)]
+        if self.form == SWAPPED.name:
+            spans = _swapped(spans)
         return spans + [(self.end, self.end)] * (len(self.data) - len(spans))  # the end of a line of text
 
 
@@ -66,15 +71,15 @@ class Numbers(NamedTuple):
             run = self.run(text, numbers[first].start(), numbers[last].end())
             if (end := _before_column(text, run)) is not None:
                 return self.runs(text[:end])[0], end
-            if not _BITS.fullmatch(run.text):
+            if self is _BITS or not _BITS_ALONE.fullmatch(run.text):
                 found.append(run)
         return found, len(text)
 
     def run(self, text: str, start: int, end: int) -> Run:
         """Return a part of a text as a run."""
         part = text[start:end]
-        data = bytes(int(digits, self.base) & 0xFF for digits in self.byte.findall(part))
-        return Run(start, end, self.name, part, data)
+        data = [int(digits, self.base) & 0xFF for digits in self.byte.findall(part)]
+        return Run(start, end, self.name, part, bytes(_swapped(data) if self is SWAPPED else data))
 
     def is_wide(self, run: Run, _: str) -> bool:
         """Tell whether a run is bytes, whatever stands beside it."""
@@ -118,7 +123,7 @@ class Text(NamedTuple):
 Notation = Numbers | Text
 
 _BASES = {"hex": 16, "octal": 8, "decimal": 10}
-_LETTERS = dict(zip("abefnrtvslp", b"\a\b\x1b\f\n\r\t\v \n\f", strict=True))
+_LETTERS = dict(zip("0abefnrtvslp", b"\0\a\b\x1b\f\n\r\t\v \n\f", strict=True))
 
 
 def _value(one: re.Match[str]) -> int:
@@ -144,6 +149,8 @@ def _quoted(escape: str) -> str:
 
 PAIRS = _numbers("pairs of hexadecimal digits", _HH, _HH, f"({_HH})", 4)
 _JOINED = _numbers("hexadecimal digits side by side", _HH * 2, rf"(?:{_HH})+", f"({_HH})", 8, is_joined=True)
+SWAPPED = _numbers("words, low byte first", _HH * 2, _HH * 2, f"({_HH})", 4, is_plain=False)
+_BITS = _numbers("bits", "[01]{8}", "[01]{8}", "([01]{8})", 4, base=2)
 _DECIMAL = r"(?:-(?:12[0-8]|1[01]\d|\d?\d)|25[0-5]|2[0-4]\d|[01]?\d?\d)"
 NOTATIONS: tuple[Notation, ...] = (
     PAIRS,
@@ -163,6 +170,8 @@ NOTATIONS: tuple[Notation, ...] = (
     ),
     _numbers("words", r"16#|KH|0[xX]|\\x", rf"(?:{_MARK_OF_WORD}){_HH}(?:_?{_HH})+", rf"(?:{_MARK_OF_WORD}|_)?({_HH})", 4),
     _JOINED,
+    _BITS,
+    SWAPPED,
     _numbers("hexadecimal without leading zeros", _H, _H, f"({_H})", 8, is_plain=False),
     _numbers("decimal", r"\d", _DECIMAL, r"((?:(?<!\d)-)?\d+)", 8, base=10, is_plain=False),
     _text("text with escapes of JSON", r"\\u00", rf"\\u00(?P<hex>{_HH})|\\(?P<letter>[bfnrt\\/\"])", _quoted(r"\\")),
@@ -185,12 +194,23 @@ NOTATIONS: tuple[Notation, ...] = (
         r"#(?P<decimal>\d{1,3})|'?(?P<quoted>[^'])'?",
         r"(?P<said>(?:#\d{1,3}|'[^']*')+)",
     ),
+    _text(
+        "characters of od -c",
+        r"(?m)^[0-7]{7} ",
+        r"  \\(?P<letter>[0abfnrtv])| (?P<octal>[0-7]{3})|   (?P<quoted>.)",
+        r"^[0-7]{7}(?P<said>(?:  \\[0abfnrtv]| [0-7]{3}|   [ -~])+)$",
+    ),
 )
 BY_NAME = {notation.name: notation for notation in NOTATIONS}
 _BYTE = {**{notation.name: notation.byte for notation in NOTATIONS}, "characters": re.compile(".")}
 
 # The usual form: pairs up to the end of the line, with nothing in front that could be bytes.
 _NOTHING_ELSE = re.compile(r"[^\dA-Fa-f'\"\\$%&]*(?<![\w.#/+])([0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*)\s*")
+
+
+def _swapped(items: list[T]) -> list[T]:
+    """Swap each two."""
+    return [item for at in range(0, len(items), 2) for item in reversed(items[at : at + 2])]
 
 
 def plain(text: str) -> Run | None:
@@ -254,6 +274,8 @@ def _before_column(text: str, run: Run) -> int | None:
             continue
         spans = spans or run.spans()
         count = sum(end <= gap.start() for _, end in spans)
+        if count and _WORD.search(text, spans[count - 1][1], gap.start()):
+            continue  # other bytes stand in between
         if any(len(one) <= count and _shows(one.ljust(count), run.data[:count]) for one in _columns(column)):
             return spans[count - 1][1]
     return None

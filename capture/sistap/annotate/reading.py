@@ -32,7 +32,6 @@ _KEY = re.compile(r"\W*[A-Za-z]+\W*[:=]\W*")
 _REST = re.compile(rf"(?i){PORT.pattern}|\b(?:hex|data|daten)\b|\b\d+ ?(?:bytes?|characters?|chars?|zeichen)\b")
 _NUMBER = re.compile(rf"{MASK}+|[^\W{MASK}]*\d[^\W{MASK}]*|\s+")
 _TEXT = re.compile(r"<(?:STX|NUL|SOH|ETX|EOT|ENQ|ACK|BEL|BS|DLE|ESC|CR|LF)>", re.IGNORECASE)
-_BITS = re.compile(r"(?<!\w)[01]{8}(?:\s+[01]{8})+(?!\w)")
 _ODD = re.compile(r"(?<!\w)(?:[0-9A-Fa-f]{2}){8,}[0-9A-Fa-f](?!\w)")
 
 
@@ -200,18 +199,16 @@ class ChosenReader:
         chosen = {place for name, place in self.choice.places if name == notation.name}
         if ANYWHERE in chosen:
             return runs
-        wide = [notation.is_wide(run, masked) for run in runs]
         known = self._places[notation.name]
-        if isinstance(notation, Numbers) and _has_letters(masked[runs[-1].end : end]):
-            known = set()  # words follow
-        elif isinstance(notation, Numbers) and self.choice.reads_few and not any(wide) and _is_alone(masked, runs):
-            return runs
-        if not any(wide) and not known and not chosen:
-            return []
+        wide = [notation.is_wide(run, masked) for run in runs]
         places = [*places_of(masked, runs, wide)]
-        self._places[notation.name].update(place for place, is_wide in zip(places, wide, strict=True) if is_wide)
-        known = known | chosen
-        return [run for run, place, is_wide in zip(runs, places, wide, strict=True) if is_wide or place in known]
+        are_words = isinstance(notation, Numbers) and _has_letters(masked[runs[-1].end : end])
+        new = {place for place, is_wide in zip(places, wide, strict=True) if is_wide}
+        known |= new
+        wanted = chosen | new if are_words else chosen | known
+        found = [run for run, place in zip(runs, places, strict=True) if place in wanted]
+        is_likely = isinstance(notation, Numbers) and self.choice.reads_few and not are_words
+        return found or (runs if is_likely and _is_alone(masked, runs) else [])
 
     def _heading(self, masked: str, stamps: list[Stamped]) -> None:
         """Keep the time and sender that a line without bytes states for the following lines."""
@@ -282,8 +279,6 @@ def _trouble(masked: str) -> str:
     """Return why a line that should have bytes has none; empty if it need not have any."""
     if _TEXT.search(masked):
         return "characters are shown as text, which loses most of them: log in hexadecimal"
-    if _BITS.search(masked):
-        return "bytes are shown as bits: log in hexadecimal"
     if odd := _ODD.search(masked):
         return f"an odd number of hexadecimal digits ({len(odd[0])})"
     return ""
