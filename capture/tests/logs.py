@@ -439,9 +439,9 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
         [Expected(SET_RATE, SENT, 0), Expected(READ_PHASE, SENT, 1000), Expected(PHASE, RECEIVED, 2000)],
     ),
     "logfmt": (
-        'time=2013-03-14T08:21:14.541Z level=DEBUG dir=tx data="\\x02\\xd7\\x03\\x03\\x00\\x03\\x10\\x03\\x04\\a\\x00"\n'
-        'time=2013-03-14T08:21:14.641Z level=DEBUG dir=tx data="\\x02l\\x00\\x00\\x00\\x92\\x00\\x00"\n'
-        'time=2013-03-14T08:21:14.677Z level=DEBUG dir=rx data="\\x02V\\x02\\x02\\x10\\x92\\x00\\x00\\x00\\x02"\n',
+        'time=2013-03-14T08:21:14.541Z level=D dir=tx data="\\x02\\xd7\\x03\\x03\\x00\\x03\\x10\\x03\\x04\\a\\x00"\n'
+        'time=2013-03-14T08:21:14.641Z level=D dir=tx data="\\x02l\\x00\\x00\\x00\\x92\\x00\\x00"\n'
+        'time=2013-03-14T08:21:14.677Z level=D dir=rx data="\\x02V\\x02\\x02\\x10\\x92\\x00\\x00\\x00\\x02"\n',
         SENT_AND_RECEIVED,
     ),
     "influx, ns behind the bytes": (

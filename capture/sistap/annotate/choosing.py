@@ -113,8 +113,11 @@ def _sizes(lines: Iterable[LogLine], framing: Cut) -> tuple[int, int, int]:
     pieces = [piece for line in lines for piece in reader.contents(line).pieces]
     records = [cut.record for cut in [cut for piece in pieces for cut in cutter.feed(piece)] + cutter.end()]
     frames = sum(len(record.data) for record in records if record.type == Type.FRAME)
-    sizes = [len(piece.run.data) for piece in pieces]
-    return frames, sum(sizes) - frames, max(sizes, default=0)
+    return (
+        frames,
+        sum(len(record.data) for record in records) - frames,
+        max((len(one.run.data) for one in pieces), default=0),
+    )
 
 
 class _Chooser:

@@ -26,12 +26,13 @@ _LETTER = "".join(name for name in _NAMES if len(name) == 1 and name.isascii())
 _ARROW = "|".join(re.escape(arrow) for arrow in sorted(" ".join(_ARROWS.values()).split(), key=len, reverse=True))
 _ARROW = rf"(?:{_ARROW})(?=[\s\]:◇◆]|$)"
 
-# A word may be joined to others, as in "IRP_MJ_READ" or "readyRead", or be followed by a port number, as in "RX1", or by an arrow,
-# which means less. A letter stands directly in front of the bytes: elsewhere, I and W are levels of a log. An arrow is
-# not part of a bracket around the data.
+# A word may be joined to others, as in "IRP_MJ_READ" or "readyRead", or be followed by a port number, as in "RX1",
+# or by an arrow, which means less. A letter stands directly in front of the bytes: elsewhere, I and W are levels of a
+# log. An arrow is not part of a bracket around the data.
 _MARK = re.compile(
     rf"(?:(?<![^\W_{MASK}])(?<![</-])|(?<=[a-z])(?=[A-Z]))(?i:({_WORD}))\d?(?![^\W_{MASK}]|/)(?:\s*{_ARROW})?"
-    rf"|(?<![^\W_{MASK}])(?:(?<![<>=-])(?i:([{_LETTER}]))(?! *\()(?=[\W\d{MASK}]*$)|(?<![<>=\"'/-])({_ARROW})(?! *\())|(发|收)"
+    rf"|(?<![^\W_{MASK}])(?:(?<![<>=-])(?i:([{_LETTER}]))(?! *\()(?=[\W\d{MASK}]*$)"
+    rf"|(?<![<>=\"'/-])({_ARROW})(?! *\())|(发|收)"
 )
 
 _BEGINS = re.compile(rf"(?:^|[:)>|\]{MASK}])\s*[A-Za-z]*$")
@@ -79,18 +80,15 @@ def joined(text: str) -> int | None:
     """Find the first mark that is joined to other words, as in "IRP_MJ_READ". Other text has such marks in any
     sentence.
     """
-    for match in _MARK.finditer(text):
-        if "_" in text[match.start() - 1 : match.start()] + text[match.end() : match.end() + 1]:
-            return _line(match)
-    return None
+    ends = (
+        (one, text[one.start() - 1 : one.start()] + text[one.end() : one.end() + 1]) for one in _MARK.finditer(text)
+    )
+    return next((_line(one) for one, beside in ends if "_" in beside), None)
 
 
 def beginning(text: str) -> int | None:
     """Find the first mark that begins a text, or a part of it: "[1] port: read request"."""
-    for match in _MARK.finditer(text):
-        if _BEGINS.search(text, 0, match.start()):
-            return _line(match)
-    return None
+    return next((_line(one) for one in _MARK.finditer(text) if _BEGINS.search(text, 0, one.start())), None)
 
 
 def without(text: str) -> str:

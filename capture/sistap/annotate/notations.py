@@ -9,11 +9,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from itertools import groupby, pairwise
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 from sistap.annotate.marks import MASK
-
-T = TypeVar("T")
 
 _HH = "[0-9A-Fa-f]{2}"
 _H = "[0-9A-Fa-f]{1,2}"
@@ -24,11 +22,11 @@ _MARK = r"0[xX]|&[hH]|[$%]|\\x|(?:(?i:B|BYTE)#)?16#"
 # and \x02E1 of a data base.
 _MARK_OF_WORD = r"(?:(?i:D?W|D?WORD)#)?16#|KH\s*=?\s*|0[xX]|\\x"
 _GAP = re.compile(r"[ \t]+|(?!:\s)[^\w.\x00-\x08]{0,5}")  # between two numbers of a run
-_BITS_ALONE = re.compile(r"[01]{8}(?: [01]{8})+")
+_BITS = re.compile(r"[01]{8}(?: [01]{8})+")
+_SWAPPED = "words, low byte first"
 _WIDEST = 256  # bytes in a line of a dump
 _BORDERS = 6  # characters around the column
 _COLUMN = re.compile(r"(?: {2,}|\t|[ \t]*\||[ \t]+(?=['\"*]))['\"*|]?")
-_WORD = re.compile(r"\w")
 _SEPARATORS = {" ": "spaces", ",": "commas", ";": "semicolons", "-": "dashes", ":": "colons", "\t": "tabs", "": ""}
 
 
@@ -44,8 +42,7 @@ class Run(NamedTuple):
     def spans(self) -> list[tuple[int, int]]:
         """Return where in the line each byte is written."""
         spans = [(self.start + one.start(), self.start + one.end()) for one in _BYTE[self.form].finditer(self.text)]
-        if self.form == SWAPPED.name:
-            spans = _swapped(spans)
+        spans = _swapped(spans) if self.form == _SWAPPED else spans
         return spans + [(self.end, self.end)] * (len(self.data) - len(spans))  # the end of a line of text
 
 
@@ -71,7 +68,7 @@ class Numbers(NamedTuple):
             run = self.run(text, numbers[first].start(), numbers[last].end())
             if (end := _before_column(text, run)) is not None:
                 return self.runs(text[:end])[0], end
-            if self is _BITS or not _BITS_ALONE.fullmatch(run.text):
+            if self.base == 2 or not _BITS.fullmatch(run.text):
                 found.append(run)
         return found, len(text)
 
@@ -79,7 +76,7 @@ class Numbers(NamedTuple):
         """Return a part of a text as a run."""
         part = text[start:end]
         data = [int(digits, self.base) & 0xFF for digits in self.byte.findall(part)]
-        return Run(start, end, self.name, part, bytes(_swapped(data) if self is SWAPPED else data))
+        return Run(start, end, self.name, part, bytes(_swapped(data) if self.name == _SWAPPED else data))
 
     def is_wide(self, run: Run, _: str) -> bool:
         """Tell whether a run is bytes, whatever stands beside it."""
@@ -149,8 +146,6 @@ def _quoted(escape: str) -> str:
 
 PAIRS = _numbers("pairs of hexadecimal digits", _HH, _HH, f"({_HH})", 4)
 _JOINED = _numbers("hexadecimal digits side by side", _HH * 2, rf"(?:{_HH})+", f"({_HH})", 8, is_joined=True)
-SWAPPED = _numbers("words, low byte first", _HH * 2, _HH * 2, f"({_HH})", 4, is_plain=False)
-_BITS = _numbers("bits", "[01]{8}", "[01]{8}", "([01]{8})", 4, base=2)
 _DECIMAL = r"(?:-(?:12[0-8]|1[01]\d|\d?\d)|25[0-5]|2[0-4]\d|[01]?\d?\d)"
 NOTATIONS: tuple[Notation, ...] = (
     PAIRS,
@@ -168,10 +163,12 @@ NOTATIONS: tuple[Notation, ...] = (
         f"(?:{_MARK})?({_H})[hH]?",
         4,
     ),
-    _numbers("words", r"16#|KH|0[xX]|\\x", rf"(?:{_MARK_OF_WORD}){_HH}(?:_?{_HH})+", rf"(?:{_MARK_OF_WORD}|_)?({_HH})", 4),
+    _numbers(
+        "words", r"16#|KH|0[xX]|\\x", rf"(?:{_MARK_OF_WORD}){_HH}(?:_?{_HH})+", rf"(?:{_MARK_OF_WORD}|_)?({_HH})", 4
+    ),
     _JOINED,
-    _BITS,
-    SWAPPED,
+    _numbers("bits", "[01]{8}", "[01]{8}", "([01]{8})", 4, base=2),
+    _numbers(_SWAPPED, _HH * 2, _HH * 2, f"({_HH})", 4, is_plain=False),
     _numbers("hexadecimal without leading zeros", _H, _H, f"({_H})", 8, is_plain=False),
     _numbers("decimal", r"\d", _DECIMAL, r"((?:(?<!\d)-)?\d+)", 8, base=10, is_plain=False),
     _text("text with escapes of JSON", r"\\u00", rf"\\u00(?P<hex>{_HH})|\\(?P<letter>[bfnrt\\/\"])", _quoted(r"\\")),
@@ -208,7 +205,7 @@ _BYTE = {**{notation.name: notation.byte for notation in NOTATIONS}, "characters
 _NOTHING_ELSE = re.compile(r"[^\dA-Fa-f'\"\\$%&]*(?<![\w.#/+])([0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*)\s*")
 
 
-def _swapped(items: list[T]) -> list[T]:
+def _swapped(items: list[Any]) -> list[Any]:
     """Swap each two."""
     return [item for at in range(0, len(items), 2) for item in reversed(items[at : at + 2])]
 
@@ -274,20 +271,16 @@ def _before_column(text: str, run: Run) -> int | None:
             continue
         spans = spans or run.spans()
         count = sum(end <= gap.start() for _, end in spans)
-        if count and _WORD.search(text, spans[count - 1][1], gap.start()):
-            continue  # other bytes stand in between
+        if not count or any(map(str.isalnum, text[spans[count - 1][1] : gap.start()])):
+            continue  # no bytes, or others, stand in front of it
         if any(len(one) <= count and _shows(one.ljust(count), run.data[:count]) for one in _columns(column)):
             return spans[count - 1][1]
     return None
 
 
-def _columns(column: str) -> Iterator[str]:
-    """Yield the characters of a column: all, without a blank in front of it, and without one in front of each."""
-    yield column
-    if column[0] == " ":
-        yield column[1:]
-        if not column[::2].strip():
-            yield column[1::2]
+def _columns(column: str) -> list[str]:
+    """Return the characters of a column: all, without a blank in front of it, and without one in front of each."""
+    return [column, column.removeprefix(" "), *([] if column[::2].strip() else [column[1::2]])]
 
 
 def _shows(column: str, data: bytes) -> bool:

@@ -34,7 +34,9 @@ _CLOCK = (
 _BEFORE, _AFTER = r"(?<![\d:.,/-])(?<!:[0-9A-Fa-f])", r"(?!\d|[:.][0-9A-Fa-f])"
 _STAMP = re.compile(rf"{_BEFORE}(?:{_DATE}[T_,;:]?\s*(?:-\s*)?)?{_CLOCK}{_AFTER}")
 _DATE_ALONE = re.compile(rf"{_BEFORE}{_DATE}(?![\d:./-])")
-_SECONDS = re.compile(r"^\s*(?:[\[(]\s*)?(?P<seconds>\d{1,10})(?:\.|,(?=\d{3,9};))(?P<fraction>\d{3,9})\d*\s*[\])]?(?=[\s:;,]|$)")
+_SECONDS = re.compile(
+    r"^\s*(?:[\[(]\s*)?(?P<seconds>\d{1,10})(?:\.|,(?=\d{3,9};))(?P<fraction>\d{3,9})\d*\s*[\])]?(?=[\s:;,]|$)"
+)
 # Since 1970 in ms or ns. Bytes that are joined have an even number of digits, and those of us are left out for that.
 _EPOCH = re.compile(r"(?<![\w.])(?P<seconds>[12]\d{9})(?P<fraction>\d{3}(?:\d{6})?)(?![\w.])")
 
