@@ -51,7 +51,7 @@ class AnyReader:
         self._is_alone = True  # nearly all bytes up to now are of damaged telegrams
         if sample is not None:
             self._choose(sample)
-            self._reader.look(sample)
+            self._reader.marks.note("\n".join(line.text for line in sample))
             self._doubtful = len(self._kept)
             if not self._is_chosen:
                 frames, _, widest = _sizes(self._kept, framing)
@@ -113,11 +113,8 @@ def _sizes(lines: Iterable[LogLine], framing: Cut) -> tuple[int, int, int]:
     pieces = [piece for line in lines for piece in reader.contents(line).pieces]
     records = [cut.record for cut in [cut for piece in pieces for cut in cutter.feed(piece)] + cutter.end()]
     frames = sum(len(record.data) for record in records if record.type == Type.FRAME)
-    return (
-        frames,
-        sum(len(record.data) for record in records) - frames,
-        max((len(one.run.data) for one in pieces), default=0),
-    )
+    sizes = [len(piece.run.data) for piece in pieces]
+    return frames, sum(sizes) - frames, max(sizes, default=0)
 
 
 class _Chooser:

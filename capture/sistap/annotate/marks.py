@@ -36,6 +36,7 @@ _MARK = re.compile(
 )
 
 _BEGINS = re.compile(rf"(?:^|[:)>|\]{MASK}])\s*[A-Za-z]*$")
+_NEAR = 40  # characters: a line can be long
 
 # If two ports were tapped, their names are the marks.
 PORT = re.compile(r"(?<![\w/])(?:/dev/[\w./-]+|(?i:COM)\d+|tty[A-Z]+\d+)(?![\w/])")
@@ -80,15 +81,16 @@ def joined(text: str) -> int | None:
     """Find the first mark that is joined to other words, as in "IRP_MJ_READ". Other text has such marks in any
     sentence.
     """
-    ends = (
-        (one, text[one.start() - 1 : one.start()] + text[one.end() : one.end() + 1]) for one in _MARK.finditer(text)
-    )
-    return next((_line(one) for one, beside in ends if "_" in beside), None)
+    for match in _MARK.finditer(text):
+        if "_" in text[match.start() - 1 : match.start()] + text[match.end() : match.end() + 1]:
+            return _line(match)
+    return None
 
 
 def beginning(text: str) -> int | None:
     """Find the first mark that begins a text, or a part of it: "[1] port: read request"."""
-    return next((_line(one) for one in _MARK.finditer(text) if _BEGINS.search(text, 0, one.start())), None)
+    found = (one for one in _MARK.finditer(text) if _BEGINS.search(text, max(0, one.start() - _NEAR), one.start()))
+    return next(map(_line, found), None)
 
 
 def without(text: str) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict, deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -129,7 +129,7 @@ class ChosenReader:
         """Read what this choice says."""
         self.choice = choice
         self._timestamps = TimestampParser()
-        self._marks = Marks()
+        self.marks = Marks()
         self._state = State()
         self._above: int | None = None  # what the line directly above seems to say about the direction
         # By notation: what stood in front of bytes.
@@ -144,11 +144,6 @@ class ChosenReader:
             text = _COLOUR.sub(lambda match: " " * len(match[0]), text)
         stamps = self._timestamps.find(text)
         return Prepared(line, _mask(text, stamps), stamps)
-
-    def look(self, lines: Iterable[LogLine]) -> None:
-        """Look at lines that are read later."""
-        for line in lines:
-            self._marks.note(line.text)
 
     def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line."""
@@ -171,7 +166,7 @@ class ChosenReader:
         for run in data:
             while left and left[0].start < run.start:
                 state.stamp = left.popleft().stamp
-            if mark := self._marks.find(masked[end : run.start].rstrip(_BRACKETS)):
+            if mark := self.marks.find(masked[end : run.start].rstrip(_BRACKETS)):
                 state.direction = mark[0]
             elif self._above is not None:
                 state.direction = self._above
@@ -226,7 +221,7 @@ class ChosenReader:
 
     def _marked(self, text: str, *, shows: bool = False) -> int | None:
         """Return the direction of a text that says nothing else. With `shows`, characters may follow an arrow."""
-        mark = self._marks.find(text)
+        mark = self.marks.find(text)
         if not mark:
             return None
         line, start, end = mark
