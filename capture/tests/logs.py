@@ -77,7 +77,7 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
         "02 6C 00 00 00 92 00 00                         .l......\n"
         "2013-03-14 08:21:14.677000: /dev/ttyUSB0\n"
         "02 56 02 02 10 92 00 00 00 02                   .V........\n",
-        [Expected(SET_RATE, 1, 0), Expected(READ_PHASE, 1, 100), Expected(PHASE, 1, 136)],
+        _shared(0, 100, 136),
     ),
     "jpnevulator, two ports": (
         "2013-03-14 08:21:14.541000: /dev/ttyS0\n"
@@ -293,7 +293,7 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
     "step 7, words": (
         "FETCH DB10 DW0\nDB10.DBW 0 HEX W#16#026C\nMW 2: W#16#0000\nW#16#0092\nW#16#0000\n"
         "SEND DB10\nDW#16#0256_0202 DW#16#1092_0000\nWORD#16#0002\n",
-        EVEN,
+        [Expected(READ_PHASE), Expected(PHASE, SENT)],
     ),
     "step 7, words in a line": (
         "W#16#026C W#16#0000, W#16#0092 W#16#0000\nDB10 02 56 02 02 10 92 00 00 00 02\n",
@@ -438,6 +438,67 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
         "5 14/03/2013 08:21:16 IRP_MJ_READ UP STATUS_SUCCESS 02 56 02 02 10 92 00 00 00 02  .V...?.... 10  COM4  \n",
         [Expected(SET_RATE, SENT, 0), Expected(READ_PHASE, SENT, 1000), Expected(PHASE, RECEIVED, 2000)],
     ),
+    "logfmt": (
+        'time=2013-03-14T08:21:14.541Z level=D dir=tx data="\\x02\\xd7\\x03\\x03\\x00\\x03\\x10\\x03\\x04\\a\\x00"\n'
+        'time=2013-03-14T08:21:14.641Z level=D dir=tx data="\\x02l\\x00\\x00\\x00\\x92\\x00\\x00"\n'
+        'time=2013-03-14T08:21:14.677Z level=D dir=rx data="\\x02V\\x02\\x02\\x10\\x92\\x00\\x00\\x00\\x02"\n',
+        SENT_AND_RECEIVED,
+    ),
+    "influx, ns behind the bytes": (
+        'sis,port=ttyUSB0,dir=tx data="02d7030300031003040700",len=11i 1363249274541000000\n'
+        'sis,port=ttyUSB0,dir=tx data="026c000000920000",len=8i 1363249274641000000\n'
+        'sis,port=ttyUSB0,dir=rx data="02560202109200000002",len=10i 1363249274677000000\n',
+        SENT_AND_RECEIVED,
+    ),
+    "a data base": (
+        "  id  |           ts            | dir |           data\n"
+        " 4711 | 2013-03-14 08:21:14.541 | tx  | \\x02d7030300031003040700\n"
+        " 4712 | 2013-03-14 08:21:14.641 | tx  | \\x026c000000920000\n"
+        " 4713 | 2013-03-14 08:21:14.677 | rx  | \\x02560202109200000002\n",
+        SENT_AND_RECEIVED,
+    ),
+    "qt, words that are joined": (
+        '08:21:14.541 default: write "\\x02\\xD7\\x03\\x03\\x00\\x03\\x10\\x03\\x04\\x07\\x00"\n'
+        '08:21:14.641 default: write "\\x02l\\x00\\x00\\x00\\x92\\x00\\x00"\n'
+        '08:21:14.677 default: readyRead "\\x02V\\x02\\x02\\x10\\x92\\x00\\x00\\x00\\x02"\n',
+        SENT_AND_RECEIVED,
+    ),
+    "words in a heading directly above the bytes": (
+        "000017: Write Request (DOWN), 2013-03-14 08:21:14.5410000 +0 (1. Device: USB Serial Port (COM3))\n"
+        " 02 D7 03 03 00 03 10 03 04 07 00   ...........\n\n"
+        "000018: Write Request (UP), 2013-03-14 08:21:14.5420000 +0.001 (1. Device: USB Serial Port (COM3))\n\n"
+        "000019: Write Request (DOWN), 2013-03-14 08:21:14.6410000 +0.099 (1. Device: USB Serial Port (COM3))\n"
+        " 02 6C 00 00 00 92 00 00            .l......\n\n"
+        "000020: Read Request (UP), 2013-03-14 08:21:14.6770000 +0.036 (1. Device: USB Serial Port (COM3))\n"
+        " 02 56 02 02 10 92 00 00 00 02      .V........\n",
+        SENT_AND_RECEIVED,
+    ),
+    "zephyr": (
+        "[00:01:16.541,000] <dbg> sis_uart: tx telegram\n    02 d7 03 03 00 03 10 03  04 07 00    |........ ...\n"
+        "[00:01:16.641,000] <dbg> sis_uart: tx telegram\n    02 6c 00 00 00 92 00 00              |.l......\n"
+        "[00:01:16.677,000] <dbg> sis_uart: rx telegram\n    02 56 02 02 10 92 00 00  00 02       |.V...... ..\n",
+        SENT_AND_RECEIVED,
+    ),
+    "xxd -b": (
+        "00000000: 00000010 01101100 00000000 00000000 00000000 10010010  .l....\n"
+        "00000006: 00000000 00000000 00000010 01010110 00000010 00000010  ...V..\n"
+        "0000000c: 00010000 10010010 00000000 00000000 00000000 00000010  ......\n",
+        EVEN,
+    ),
+    "hexdump, words": (
+        "0000000 6c02 0000 9200 0000 5602 0202 9210 0000\n0000010 0200\n0000012\n",
+        EVEN,
+    ),
+    "od -c": (
+        "0000000 002   l  \\0  \\0  \\0 222  \\0  \\0 002   V 002 002 020 222  \\0  \\0\n0000020  \\0 002\n0000022\n",
+        EVEN,
+    ),
+    "xxd, the column of a short row": (
+        "00000000: 02d7 0303 0003 1003 0407 0002 6c00 0000  ............l...\n"
+        "00000010: 9200 0002 5602 0210 9200 0000            ....V.......\n"
+        "0000001c: 02                                       .\n",
+        NO_TIMES,
+    ),
     "portsniffer": (
         "".join(
             f"{mark} |    1 | {byte:02X}\n"
@@ -453,7 +514,7 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
         "02|6C|00|00|00|92|00|00| | | | | | | | || . l . . . . . .\n"
         "28/12/2022@22:43:10.965::Packet[00000003l]<<Serial [1] [[COM5] - USB Serial Port] Received 10 bytes.\n"
         "02|56|02|02|10|92|00|00|00|02| | | | | | || . V . . . . . . . .\n",
-        _shared(0, 100, 136),
+        SENT_AND_RECEIVED,
     ),
     "matlab": (
         "tx =\n\n     2   108     0     0     0   146     0     0\n\n"

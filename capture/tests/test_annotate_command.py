@@ -114,7 +114,7 @@ def test_a_log_of_another_protocol_says_so(log: Path, capfdbinary: pytest.Captur
     log.write_text("02 0E 01 64 E0 00 00 00 00 00 00 00 00 00 00 89\n" * 6)
     assert cli.main(["annotate", str(log)]) == 0
     *_, last = capfdbinary.readouterr().out.decode().splitlines()
-    assert last.startswith("^-- No SIS: none of ") and "another protocol, rate or format? Check protocol" in last
+    assert last.startswith("^-- No SIS: none of ") and "another protocol, rate or format? It may be" in last
 
 
 # Of USS: the third line and half of the fourth have equal lengths, and a wrong checksum of SIS.
@@ -440,7 +440,7 @@ def test_a_line_has_a_longest_length(tmp_path: Path) -> None:
     text = f"RX {telegram * (LONGEST_LINE // len(telegram) + 100)}\nRX {telegram}\n"
     (tmp_path / "x").write_text(text)
     done = run(tmp_path, "x", "-w", "x.pcapng")
-    done.stderr = done.stderr.removesuffix(WRITTEN)
+    done.stderr = done.stderr.replace(WRITTEN, b"")
     refused(done, 0, "line 1: longer than 1,000,000 characters")
     telegrams = [record for _, record in records(tmp_path / "x.pcapng") if record.type == Type.FRAME]
     assert len(telegrams) == (LONGEST_LINE - 3) // len(telegram) + 1

@@ -8,7 +8,7 @@ import re
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from logs import LOGS, PHASE, Expected
+from logs import LOGS, PHASE, READ_PHASE, SET_RATE, Expected
 from specification import TELEGRAMS
 
 from sistap.annotate.annotating import Passage
@@ -126,6 +126,38 @@ def test_a_wrong_checksum_is_a_frame() -> None:
     assert record.checksum_bad
 
 
+def test_a_whole_telegram_ends_what_the_log_has_cut() -> None:
+    """Those behind it do not wait for its rest."""
+    log = (
+        "RX: 02 a2 6b 6b 10 10 00 05 00 3c 05 ... 104 more bytes\nTX: 02 6c 00 00 00 92 00 00\n"
+        "RX: 02 56 02 02 10 92 00 00 00 02\nTX: 02 D7 03 03 00 03 10 03 04 07 00\n"
+    )
+    assert [record.data for record in records(log) if record.is_good_frame] == [READ_PHASE, PHASE, SET_RATE]
+
+
+def test_a_dump_of_whole_packets() -> None:
+    """Headers of IP and TCP are in front of each; the last row of the third telegram has two bytes."""
+    header = bytes.fromhex(
+        "45 00 00 3a 00 04 40 00 40 06 b7 4b c0 a8 01 0a c0 a8 01 14"
+        "c3 cb 0f a1 00 00 03 e9 00 00 13 89 50 18 fa f0 49 75 00 00"
+    )
+    telegrams = [SET_RATE, READ_PHASE, PHASE] * 12
+    log = ""
+    for data in telegrams:
+        packet = header + data
+        for at in range(0, len(packet), 16):
+            row = packet[at : at + 16]
+            shown = "".join(chr(byte) if 0x20 <= byte < 0x7F else "." for byte in row)
+            log += f"{at:04x}  {row.hex(' '):47}   {shown}\n"
+    assert [record.data for record in records(log) if record.is_good_frame] == telegrams
+
+
+def test_equal_lengths_alone_are_no_telegram() -> None:
+    """A solar inverter begins with 02, too: 05 is its address, 02 02 its lengths and its command."""
+    log = "02 05 02 02 60 01 A1 B8 03\n02 06 02 9D 60 01 15 D5 02 FA F0 C9 31 FF 5D A0 52 36 49 1E 94 03\n"
+    assert {record.type for record in records(log)} == {Type.OTHER}
+
+
 @pytest.mark.parametrize(
     "line",
     [
@@ -160,7 +192,6 @@ def test_words_and_numbers_are_no_bytes(line: str) -> None:
     ("line", "why"),
     [
         ("14.03.2013 08:21:14.541 [RX] - <STX>V<STX><STX><DLE>\ufffd<NUL><NUL><NUL><STX>", "log in hexadecimal"),
-        ("rx 00000010 01010110 00000010", "log in hexadecimal"),
         ("rx 025602021092000000020", "an odd number of hexadecimal digits (21)"),
         ("rx 02 56 02 02 10 GG 00 00 00 02", "'GG' is not a byte"),
     ],

@@ -33,6 +33,7 @@ def test_no_byte_is_lost_however_they_come(data: bytes, mark: bytes, size: int) 
     [
         ("über\r\n02 56\n".encode(), ["über", "02 56"]),
         ("über\r\n02 56\n".encode("latin-1"), ["über", "02 56"]),
+        ("[08:21:14.541]发→◇02 56 □\r\n".encode("gb18030"), ["[08:21:14.541]发→◇02 56 □"]),
         (codecs.BOM_UTF8 + b"02 56", ["02 56"]),
         (b"\xfc\n\xc3\xbc\n", ["ü", "Ã¼"]),  # Latin-1 from here on
         # Halves of two characters that look like an end.

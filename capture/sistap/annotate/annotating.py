@@ -47,7 +47,6 @@ class Passage:
         self.lines = 0
         self.bytes = 0
         self.telegrams = 0  # right ones
-        self._others = 0  # bytes outside telegrams
         self.has_ascii = False  # between telegrams of SIS, there are words of the ASCII protocol
 
     def feed(self, line: LogLine) -> Found:
@@ -79,8 +78,7 @@ class Passage:
         record = cut.record
         if record.is_good_frame:
             self.telegrams += 1
-        elif record.type == Type.OTHER or (not self.telegrams and len(record.data) < self._others):
-            self._others += len(record.data)
+        elif record.type == Type.OTHER or not (self.telegrams or self._reader.is_trusted):
             self._look_for_ascii(record.data)
             return cut._replace(record=record._replace(type=Type.OTHER, checksum_bad=False))
         return cut

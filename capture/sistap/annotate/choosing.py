@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 from sistap.annotate.cutting import RecordCutter
 from sistap.annotate.notations import NOTATIONS, PAIRS, Numbers
@@ -21,12 +22,20 @@ from sistap.sis.telegram import STATIC_LENGTH, checksum_good
 
 LONGEST = 1 << 20  # bytes of a file by which it is chosen
 _LINES = 1000  # enough for a choice
+_SEVERAL = 100  # bytes of telegrams that are none by chance, among ten times as many others: a dump of whole packets
 _PLACES = 8  # of a notation are tried: those with most bytes
 _JUDGED = (Framing.SIS, Framing.PROCEDURE_3964R)  # their frames have a checksum
 _BEGINNING = re.compile(rb"(?=\x02.(.)\1)", re.DOTALL)  # of a telegram: start, checksum, equal lengths
 
 
-_Score = tuple[int, int]  # bytes of right telegrams; other bytes, which are negative
+class Score(NamedTuple):
+    """How good a choice is: bytes of right telegrams, and other bytes, which are negative."""
+
+    telegrams: int = 0
+    others: int = 0
+
+
+_NOTHING = Score(0, -LONGEST)
 
 
 class AnyReader:
@@ -39,16 +48,27 @@ class AnyReader:
         self._doubtful = 0  # lines that were read without a choice, or have numbers and nothing was read
         self._reader = ChosenReader(ANYTHING)
         self._is_chosen = False
+        self._is_alone = True  # nearly all bytes up to now are of damaged telegrams
         if sample is not None:
             self._choose(sample)
+            self._reader.marks.note("\n".join(line.text for line in sample))
             self._doubtful = len(self._kept)
             if not self._is_chosen:
-                self._reader.choice = ANYTHING._replace(reads_few=_has_bytes(self._kept, framing))
+                frames, _, widest = _sizes(self._kept, framing)
+                self._reader.choice = ANYTHING._replace(reads_few=bool(frames) or widest >= PAIRS.enough)
 
     @property
     def notation(self) -> str:
         """Name the notation if it is not the usual one."""
         return self._reader.choice.name
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether a damaged telegram is one: the log has right ones, too, or hardly anything else."""
+        if not self._is_chosen and self._is_alone:
+            frames, others, _ = _sizes(self._kept, self._framing)
+            self._is_alone = frames > 2 * others
+        return self._is_chosen or self._is_alone
 
     def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line."""
@@ -87,13 +107,14 @@ def _windows(prepared: list[Prepared]) -> Iterator[list[Prepared]]:
         yield prepared[-_LINES:]
 
 
-def _has_bytes(lines: Iterable[LogLine], framing: Cut) -> bool:
-    """Tell whether a log without right telegrams has bytes at all: four side by side, or damaged frames."""
+def _sizes(lines: Iterable[LogLine], framing: Cut) -> tuple[int, int, int]:
+    """Count, of a log without right telegrams, the bytes of damaged ones, other bytes, and the most side by side."""
     reader, cutter = ChosenReader(ANYTHING), RecordCutter(framing)
     pieces = [piece for line in lines for piece in reader.contents(line).pieces]
-    cuts = [cut for piece in pieces for cut in cutter.feed(piece)] + cutter.end()
-    longest = max((len(piece.run.data) for piece in pieces), default=0)
-    return longest >= PAIRS.enough or any(cut.record.type == Type.FRAME for cut in cuts)
+    records = [cut.record for cut in [cut for piece in pieces for cut in cutter.feed(piece)] + cutter.end()]
+    frames = sum(len(record.data) for record in records if record.type == Type.FRAME)
+    sizes = [len(piece.run.data) for piece in pieces]
+    return frames, sum(sizes) - frames, max(sizes, default=0)
 
 
 class _Chooser:
@@ -106,22 +127,22 @@ class _Chooser:
 
     def choose(self) -> Choice | None:
         """Return what makes most telegrams, with as little as possible; None if nothing makes any."""
-        (telegrams, _), best = self._tried(Choice((PAIRS,)))
-        if not telegrams or not self._is_all_read:
+        score, best = self._tried(Choice((PAIRS,)))
+        if not score.telegrams or not self._is_all_read:
             best = self._longer()
         return best._replace(name=self._name(best)) if best.notations else None
 
     def _longer(self) -> Choice:
-        """Try all notations and places; add to the best as long as that makes more telegrams."""
-        best, most = Choice(()), 0
+        """Try all notations and places; add to the best as long as that makes more of telegrams than of others."""
+        best, score = Choice(()), _NOTHING
         likely, unlikely = self._candidates()
         candidates = likely
         while True:
             tried = [self._tried(best.joined(candidate)) for candidate in candidates]
-            (telegrams, _), choice = max(tried, key=lambda one: one[0], default=((0, 0), best))
-            if telegrams <= most:
+            better, choice = max(tried, key=lambda one: sum(one[0]), default=(score, best))
+            if sum(better) <= sum(score):
                 return best
-            best, most = choice, telegrams
+            best, score = choice, better
             candidates = likely + [one for one in unlikely if one.notations[0] in best.notations or not one.places]
 
     def _candidates(self) -> tuple[list[Choice], list[Choice]]:
@@ -149,8 +170,12 @@ class _Chooser:
         ends = ((one.start(), one.start() + STATIC_LENGTH + one[1][0]) for one in _BEGINNING.finditer(data))
         return self._framing != SIS or any(end <= len(data) and checksum_good(data[at:end]) for at, end in ends)
 
-    def _tried(self, choice: Choice) -> tuple[_Score, Choice]:
-        """Return how good a choice is: nothing if it makes mostly other bytes."""
+    def _tried(self, choice: Choice) -> tuple[Score, Choice]:
+        """Return the score of a choice: nothing if it makes mostly other bytes, unless there are several telegrams."""
+        score = self._score(choice)
+        return (score if score.telegrams > min(-score.others, _SEVERAL - score.others // 10) else _NOTHING), choice
+
+    def _score(self, choice: Choice) -> Score:
         reader, cutter = ChosenReader(choice), RecordCutter(self._framing)
         cuts = []
         self._is_all_read = True
@@ -162,7 +187,7 @@ class _Chooser:
         sizes = [0, 0]
         for record, _ in cuts + cutter.end():
             sizes[record.is_good_frame and not record.is_handshake] += len(record.data)
-        return ((sizes[True], -sizes[False]) if sizes[True] > sizes[False] else (0, 0)), choice
+        return Score(sizes[True], -sizes[False])
 
     def _name(self, choice: Choice) -> str:
         """Name the notations; nothing for hexadecimal numbers, as usual."""

@@ -17,6 +17,7 @@ from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
 from sistap.records.cut import SIS, Cut
 from sistap.records.record import Record
 from sistap.sis.rates import RATES
+from sistap.sis.telegram import is_whole
 
 _SETTINGS = LineSettings(baud=0)  # a log does not state the settings
 _SLOWEST_CHARACTER_NS = LineSettings(min(RATES)).character_ns
@@ -70,6 +71,7 @@ class _Stream:
     """The bytes of one direction."""
 
     def __init__(self, direction: int, framing: Cut) -> None:
+        self.framing = framing
         self.framer = framing.framer(direction, _SETTINGS)
         self.time_ns = 0
         self._pieces = Pieces()
@@ -84,7 +86,9 @@ class _Stream:
             flags = bytes([Flag.SAME_READ if piece.continues else 0]) + bytes(count - 1)
             self.time_ns = piece.stamp.time_ns
         read = serial.Read(self.framer.line, self.time_ns, piece.run.data, flags, uncertainty_ns)
-        records = self.framer.feed(read)
+        # What a whole telegram follows is complete, or its end was lost.
+        records = self.framer.flush() if self.framing == SIS and is_whole(piece.run.data) else []
+        records += self.framer.feed(read)
         if not self.framer.empty:
             records += self.framer.settle()
         return read, self.cuts(records)

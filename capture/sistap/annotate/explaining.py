@@ -16,7 +16,7 @@ from sistap.annotate.blocks import Blocks
 from sistap.episodes.engine import Engine
 from sistap.episodes.folding import DAMAGE
 from sistap.episodes.lines import lines
-from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Thresholds
+from sistap.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.explain import advice
 from sistap.explain.fields import Fields, Said, said
 from sistap.explain.running import Running
@@ -24,6 +24,7 @@ from sistap.packets.dissection import packet_of
 from sistap.records.record import Record
 from sistap.wireshark.tshark import Tshark, TsharkError
 
+_FOREIGN = "It may be another protocol: USIP, USS and others begin with 02, too. Or it was logged at another rate."
 _ANSWER_S = 30  # longest time that a running tshark takes for an answer
 
 
@@ -68,7 +69,7 @@ class WholeCapture:
         episodes = self._engine.finish()
         foreign = [one.text for one in episodes if one.kind == "foreign"]
         if foreign:
-            return [f"{text} {RULES['foreign'].do}" for text in foreign]
+            return [f"{text} {_FOREIGN}" for text in foreign]
         is_news = any(one.severity >= Severity.WARNING or one.kind in DAMAGE for one in episodes)
         if not self._times_s or not self._times_s[0] or not is_news or not self.has_telegram:
             return []

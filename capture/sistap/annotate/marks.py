@@ -26,31 +26,40 @@ _LETTER = "".join(name for name in _NAMES if len(name) == 1 and name.isascii())
 _ARROW = "|".join(re.escape(arrow) for arrow in sorted(" ".join(_ARROWS.values()).split(), key=len, reverse=True))
 _ARROW = rf"(?:{_ARROW})(?=[\s\]:◇◆]|$)"
 
-# A word may be joined to others, as in "IRP_MJ_READ", or be followed by a port number, as in "RX1", or by an arrow,
-# which means less. A letter stands directly in front of the bytes: elsewhere, I and W are levels of a log. An arrow is
-# not part of a bracket around the data.
+# A word may be joined to others, as in "IRP_MJ_READ" or "readyRead", or be followed by a port number, as in "RX1",
+# or by an arrow, which means less. A letter stands directly in front of the bytes: elsewhere, I and W are levels of a
+# log. An arrow is not part of a bracket around the data.
 _MARK = re.compile(
-    rf"(?<![^\W_{MASK}])(?:(?<![<=-])(?i:({_WORD}))\d?(?![^\W_{MASK}])(?:\s*{_ARROW})?"
-    rf"|(?<![<>=-])(?i:([{_LETTER}]))(?! *\()(?=[\W\d{MASK}]*$)|(?<![<>=\"'/-])({_ARROW}))|(发|收)"
+    rf"(?:(?<![^\W_{MASK}])(?<![</-])|(?<=[a-z])(?=[A-Z]))(?i:({_WORD}))\d?(?![^\W_{MASK}]|/)(?:\s*{_ARROW})?"
+    rf"|(?<![^\W_{MASK}])(?:(?<![<>=-])(?i:([{_LETTER}]))(?! *\()(?=[\W\d{MASK}]*$)"
+    rf"|(?<![<>=\"'/-])({_ARROW})(?! *\())|(发|收)"
 )
+
+_BEGINS = re.compile(rf"(?:^|[:)>|\]{MASK}])\s*[A-Za-z]*$")
+_NEAR = 40  # characters: a line can be long
 
 # If two ports were tapped, their names are the marks.
 PORT = re.compile(r"(?<![\w/])(?:/dev/[\w./-]+|(?i:COM)\d+|tty[A-Z]+\d+)(?![\w/])")
 
 
 class Marks:
-    """Finds the marks of one log. Ports are told apart by their order: the first is line 1, the second line 2."""
+    """Finds the marks of one log. Two ports are told apart by their order: the first is line 1, the second line 2."""
 
     def __init__(self) -> None:
         self._ports: dict[str, int] = {}
+
+    def note(self, text: str) -> None:
+        """Note the ports in a text. A single one tells nothing about who sent."""
+        for port in PORT.findall(text):
+            self._ports.setdefault(port, len(self._ports) + 1)
 
     def find(self, text: str) -> tuple[int, int, int] | None:
         """Find the last mark in a text; return its line, and where it begins and ends."""
         if mark := _last_mark(text):
             return mark
-        port = PORT.search(text)
-        if port:
-            number = self._ports.setdefault(port[0], len(self._ports) + 1)
+        self.note(text)
+        if len(self._ports) > 1 and (port := PORT.search(text)):
+            number = self._ports[port[0]]
             return (number if number <= SENT else SHARED), port.start(), port.end()
         return None
 
@@ -76,6 +85,12 @@ def joined(text: str) -> int | None:
         if "_" in text[match.start() - 1 : match.start()] + text[match.end() : match.end() + 1]:
             return _line(match)
     return None
+
+
+def beginning(text: str) -> int | None:
+    """Find the first mark that begins a text, or a part of it: "[1] port: read request"."""
+    found = (one for one in _MARK.finditer(text) if _BEGINS.search(text, max(0, one.start() - _NEAR), one.start()))
+    return next(map(_line, found), None)
 
 
 def without(text: str) -> str:

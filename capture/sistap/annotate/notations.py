@@ -18,10 +18,12 @@ _H = "[0-9A-Fa-f]{1,2}"
 # Not within a number, a name or a path. What begins with a mark may follow another: $02$6C.
 _BEFORE, _AFTER = r"(?:(?<![\w.#/+\\$])|(?=[$%\\]))", r"(?!\w|\.\d|#)"
 _MARK = r"0[xX]|&[hH]|[$%]|\\x|(?:(?i:B|BYTE)#)?16#"
-# Words of a Siemens or IEC 61131 program, high byte first: W#16#02E1, DW#16#02E1_0505, 16#02E1, and KH=02E1 of an S5.
-_MARK_OF_WORD = r"(?:(?i:D?W|D?WORD)#)?16#|KH\s*=?\s*|0[xX]"
-_GAP = re.compile(r"[ \t]+|[^\w.\x00-\x08]{0,5}")  # between two numbers of a run
+# Words of a Siemens or IEC 61131 program, high byte first: W#16#02E1, DW#16#02E1_0505, 16#02E1, and KH=02E1 of an S5;
+# and \x02E1 of a data base.
+_MARK_OF_WORD = r"(?:(?i:D?W|D?WORD)#)?16#|KH\s*=?\s*|0[xX]|\\x"
+_GAP = re.compile(r"[ \t]+|(?!:\s)[^\w.\x00-\x08]{0,5}")  # between two numbers of a run
 _BITS = re.compile(r"[01]{8}(?: [01]{8})+")
+_SWAPPED = "words, low byte first"
 _WIDEST = 256  # bytes in a line of a dump
 _BORDERS = 6  # characters around the column
 _COLUMN = re.compile(r"(?: {2,}|\t|[ \t]*\||[ \t]+(?=['\"*]))['\"*|]?")
@@ -40,6 +42,7 @@ class Run(NamedTuple):
     def spans(self) -> list[tuple[int, int]]:
         """Return where in the line each byte is written."""
         spans = [(self.start + one.start(), self.start + one.end()) for one in _BYTE[self.form].finditer(self.text)]
+        spans = _swapped(spans) if self.form == _SWAPPED else spans
         return spans + [(self.end, self.end)] * (len(self.data) - len(spans))  # the end of a line of text
 
 
@@ -60,20 +63,20 @@ class Numbers(NamedTuple):
         found: list[Run] = []
         numbers = [*self.number.finditer(text)] if self.hint.search(text) else []
         for first, last in _evenly(text, numbers, by_length=self.is_joined):
-            if self.is_joined and len(numbers[first][0]) == len("02"):
+            if self.is_joined and first < last and len(numbers[first][0]) == len("02"):
                 continue
             run = self.run(text, numbers[first].start(), numbers[last].end())
             if (end := _before_column(text, run)) is not None:
                 return self.runs(text[:end])[0], end
-            if not _BITS.fullmatch(run.text):
+            if self.base == 2 or not _BITS.fullmatch(run.text):
                 found.append(run)
         return found, len(text)
 
     def run(self, text: str, start: int, end: int) -> Run:
         """Return a part of a text as a run."""
         part = text[start:end]
-        data = bytes(int(digits, self.base) & 0xFF for digits in self.byte.findall(part))
-        return Run(start, end, self.name, part, data)
+        data = [int(digits, self.base) & 0xFF for digits in self.byte.findall(part)]
+        return Run(start, end, self.name, part, bytes(_swapped(data) if self.name == _SWAPPED else data))
 
     def is_wide(self, run: Run, _: str) -> bool:
         """Tell whether a run is bytes, whatever stands beside it."""
@@ -113,7 +116,7 @@ class Text(NamedTuple):
 Notation = Numbers | Text
 
 _BASES = {"hex": 16, "octal": 8, "decimal": 10}
-_LETTERS = dict(zip("abfnrtvslp", b"\a\b\f\n\r\t\v \n\f", strict=True))
+_LETTERS = dict(zip("0abefnrtvslp", b"\0\a\b\x1b\f\n\r\t\v \n\f", strict=True))
 
 
 def _value(one: re.Match[str]) -> int:
@@ -145,7 +148,7 @@ NOTATIONS: tuple[Notation, ...] = (
     _text(
         "text with escapes of C or Python",
         r"\\[x0-7]|\bb['\"]",
-        rf"\\x(?P<hex>{_HH})|\\(?P<octal>[0-3]?[0-7]{{1,2}})|\\(?P<letter>[abfnrtv\\'\"])",
+        rf"\\x(?P<hex>{_HH})|\\(?P<octal>[0-3]?[0-7]{{1,2}})|\\(?P<letter>[^x0-7])",
         _quoted(r"\\"),
         is_plain=True,
     ),
@@ -156,8 +159,12 @@ NOTATIONS: tuple[Notation, ...] = (
         f"(?:{_MARK})?({_H})[hH]?",
         4,
     ),
-    _numbers("words", "16#|KH|0[xX]", rf"(?:{_MARK_OF_WORD}){_HH}(?:_?{_HH})+", rf"(?:{_MARK_OF_WORD}|_)?({_HH})", 4),
+    _numbers(
+        "words", r"16#|KH|0[xX]|\\x", rf"(?:{_MARK_OF_WORD}){_HH}(?:_?{_HH})+", rf"(?:{_MARK_OF_WORD}|_)?({_HH})", 4
+    ),
     _JOINED,
+    _numbers("bits", "[01]{8}", "[01]{8}", "([01]{8})", 4, base=2),
+    _numbers(_SWAPPED, _HH * 2, _HH * 2, f"({_HH})", 4, is_plain=False),
     _numbers("hexadecimal without leading zeros", _H, _H, f"({_H})", 8, is_plain=False),
     _numbers("decimal", r"\d", _DECIMAL, r"((?:(?<!\d)-)?\d+)", 8, base=10, is_plain=False),
     _text("text with escapes of JSON", r"\\u00", rf"\\u00(?P<hex>{_HH})|\\(?P<letter>[bfnrt\\/\"])", _quoted(r"\\")),
@@ -180,12 +187,23 @@ NOTATIONS: tuple[Notation, ...] = (
         r"#(?P<decimal>\d{1,3})|'?(?P<quoted>[^'])'?",
         r"(?P<said>(?:#\d{1,3}|'[^']*')+)",
     ),
+    _text(
+        "characters of od -c",
+        r"(?m)^[0-7]{7} ",
+        r"  \\(?P<letter>[0abfnrtv])| (?P<octal>[0-7]{3})|   (?P<quoted>.)",
+        r"^[0-7]{7}(?P<said>(?:  \\[0abfnrtv]| [0-7]{3}|   [ -~])+)$",
+    ),
 )
 BY_NAME = {notation.name: notation for notation in NOTATIONS}
 _BYTE = {**{notation.name: notation.byte for notation in NOTATIONS}, "characters": re.compile(".")}
 
 # The usual form: pairs up to the end of the line, with nothing in front that could be bytes.
 _NOTHING_ELSE = re.compile(r"[^\dA-Fa-f'\"\\$%&]*(?<![\w.#/+])([0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*)\s*")
+
+
+def _swapped(items: list[Any]) -> list[Any]:
+    """Swap each two."""
+    return [item for at in range(0, len(items), 2) for item in reversed(items[at : at + 2])]
 
 
 def plain(text: str) -> Run | None:
@@ -242,16 +260,23 @@ def _before_column(text: str, run: Run) -> int | None:
     if len(run.data) > _WIDEST:
         return None
     length, spans = len(text.rstrip()), None
-    # The column is no wider than the number of bytes, and ends the line.
-    for gap in _COLUMN.finditer(text, max(run.start, length - len(run.data) - _BORDERS)):
+    # The column is no wider than the number of bytes, each with a blank, and ends the line.
+    for gap in _COLUMN.finditer(text, max(run.start, length - 2 * len(run.data) - _BORDERS)):
         column = text[gap.end() :].rstrip().rstrip("|'\"*").rstrip()
-        if not column or len(column) > len(run.data):
+        if not column:
             continue
         spans = spans or run.spans()
         count = sum(end <= gap.start() for _, end in spans)
-        if len(column) <= count and _shows(column.ljust(count), run.data[:count]):
+        if not count or any(map(str.isalnum, text[spans[count - 1][1] : gap.start()])):
+            continue  # no bytes, or others, stand in front of it
+        if any(len(one) <= count and _shows(one.ljust(count), run.data[:count]) for one in _columns(column)):
             return spans[count - 1][1]
     return None
+
+
+def _columns(column: str) -> list[str]:
+    """Return the characters of a column: all, without a blank in front of it, and without one in front of each."""
+    return [column, column.removeprefix(" "), *([] if column[::2].strip() else [column[1::2]])]
 
 
 def _shows(column: str, data: bytes) -> bool:

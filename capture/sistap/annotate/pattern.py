@@ -45,6 +45,7 @@ class PatternReader:
     """Reads lines by a regular expression with the groups of text2pcap: data, time and dir."""
 
     notation = ""
+    is_trusted = True
 
     def __init__(self, pattern: str) -> None:
         """Compile the expression. ValueError says what is wrong with it."""

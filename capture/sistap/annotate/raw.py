@@ -77,6 +77,7 @@ class RawReader:
     """Reads the lines of a raw log."""
 
     notation = ""
+    is_trusted = True
 
     def contents(self, line: LogLine) -> Contents:
         """Return all bytes of a line."""

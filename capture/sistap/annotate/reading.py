@@ -24,7 +24,7 @@ from sistap.explain.fields import EXPLANATION
 
 # Lines that annotate or log added, after spaces, are never read.
 _EXPLANATION = re.compile(rf"\s*{re.escape(EXPLANATION)}")
-_BRACKETS = "<[({"  # directly in front of bytes these are not marks
+_BRACKETS = "<[{"  # directly in front of bytes these are not marks; a letter in front of ( is none, either
 _WAY_BACK = re.compile(r"IRP_MJ_WRITE\W+UP\b")  # Windows' drivers pass a request down, then up with the same bytes
 _COLOUR = re.compile(r"\x1b\[[\d;]*[A-Za-z]")  # of a terminal
 # What may stand beside a mark in a line of its own: its name, and a count.
@@ -32,7 +32,6 @@ _KEY = re.compile(r"\W*[A-Za-z]+\W*[:=]\W*")
 _REST = re.compile(rf"(?i){PORT.pattern}|\b(?:hex|data|daten)\b|\b\d+ ?(?:bytes?|characters?|chars?|zeichen)\b")
 _NUMBER = re.compile(rf"{MASK}+|[^\W{MASK}]*\d[^\W{MASK}]*|\s+")
 _TEXT = re.compile(r"<(?:STX|NUL|SOH|ETX|EOT|ENQ|ACK|BEL|BS|DLE|ESC|CR|LF)>", re.IGNORECASE)
-_BITS = re.compile(r"(?<!\w)[01]{8}(?:\s+[01]{8})+(?!\w)")
 _ODD = re.compile(r"(?<!\w)(?:[0-9A-Fa-f]{2}){8,}[0-9A-Fa-f](?!\w)")
 
 
@@ -70,6 +69,10 @@ class LogReader(Protocol):
     @property
     def notation(self) -> str:
         """Name how the bytes are written, for a message; nothing if it is usual or known."""
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether a damaged telegram is one, and not bytes of another protocol."""
 
     def contents(self, line: LogLine) -> Contents:
         """Find what a line holds."""
@@ -126,8 +129,9 @@ class ChosenReader:
         """Read what this choice says."""
         self.choice = choice
         self._timestamps = TimestampParser()
-        self._marks = Marks()
+        self.marks = Marks()
         self._state = State()
+        self._above: int | None = None  # what the line directly above seems to say about the direction
         # By notation: what stood in front of bytes.
         self._places: defaultdict[str, set[str]] = defaultdict(set)
 
@@ -162,8 +166,11 @@ class ChosenReader:
         for run in data:
             while left and left[0].start < run.start:
                 state.stamp = left.popleft().stamp
-            if mark := self._marks.find(masked[end : run.start].rstrip(_BRACKETS)):
+            if mark := self.marks.find(masked[end : run.start].rstrip(_BRACKETS)):
                 state.direction = mark[0]
+            elif self._above is not None:
+                state.direction = self._above
+            self._above = None
             pieces.append(state.piece(line, run))
             end = run.end
         return Contents(pieces, _foreign(masked, data) if len(data) > 1 else "")
@@ -187,18 +194,16 @@ class ChosenReader:
         chosen = {place for name, place in self.choice.places if name == notation.name}
         if ANYWHERE in chosen:
             return runs
-        wide = [notation.is_wide(run, masked) for run in runs]
         known = self._places[notation.name]
-        if isinstance(notation, Numbers) and _has_letters(masked[runs[-1].end : end]):
-            known = set()  # words follow
-        elif isinstance(notation, Numbers) and self.choice.reads_few and not any(wide) and _is_alone(masked, runs):
-            return runs
-        if not any(wide) and not known and not chosen:
-            return []
+        wide = [notation.is_wide(run, masked) for run in runs]
         places = [*places_of(masked, runs, wide)]
-        self._places[notation.name].update(place for place, is_wide in zip(places, wide, strict=True) if is_wide)
-        known = known | chosen
-        return [run for run, place, is_wide in zip(runs, places, wide, strict=True) if is_wide or place in known]
+        are_words = isinstance(notation, Numbers) and _has_letters(masked[runs[-1].end : end])
+        new = {place for place, is_wide in zip(places, wide, strict=True) if is_wide}
+        known |= new
+        wanted = chosen | new if are_words else chosen | known
+        found = [run for run, place in zip(runs, places, strict=True) if place in wanted]
+        is_likely = isinstance(notation, Numbers) and self.choice.reads_few and not are_words
+        return found or (runs if is_likely and _is_alone(masked, runs) else [])
 
     def _heading(self, masked: str, stamps: list[Stamped]) -> None:
         """Keep the time and sender that a line without bytes states for the following lines."""
@@ -211,10 +216,12 @@ class ChosenReader:
             direction = self._marked(masked)
         if direction := direction or marks.joined(masked):
             self._state.direction = direction
+        if masked.strip():
+            self._above = None if direction else marks.beginning(masked)
 
     def _marked(self, text: str, *, shows: bool = False) -> int | None:
         """Return the direction of a text that says nothing else. With `shows`, characters may follow an arrow."""
-        mark = self._marks.find(text)
+        mark = self.marks.find(text)
         if not mark:
             return None
         line, start, end = mark
@@ -267,8 +274,6 @@ def _trouble(masked: str) -> str:
     """Return why a line that should have bytes has none; empty if it need not have any."""
     if _TEXT.search(masked):
         return "characters are shown as text, which loses most of them: log in hexadecimal"
-    if _BITS.search(masked):
-        return "bytes are shown as bits: log in hexadecimal"
     if odd := _ODD.search(masked):
         return f"an odd number of hexadecimal digits ({len(odd[0])})"
     return ""

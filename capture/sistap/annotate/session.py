@@ -28,6 +28,7 @@ class SessionReader:
     """Reads the lines of a session."""
 
     notation = ""
+    is_trusted = True
 
     def __init__(self) -> None:
         """Nothing has come yet."""

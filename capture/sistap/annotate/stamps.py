@@ -26,14 +26,19 @@ _DATE = (
 )
 # A fraction after a comma or colon has three digits or more, or no byte can follow: "10:20:30,02 6C" may be bytes.
 _CLOCK = (
-    r"(?P<hour>\d\d?):(?P<minute>\d\d):(?P<second>\d\d)(?:\.(?P<fraction>\d{1,9})|[,:](?P<thousandths>\d{3,9}|\d\d?(?=[;\])]|\s+[^\w\s]|\s+[G-Zg-z])))?"
+    r"(?P<hour>\d\d?):(?P<minute>\d\d)(?::|\s(?=\d\d\.\d{6}\]))(?P<second>\d\d)"
+    r"(?:\.(?P<fraction>\d{3},\d{3}(?=\])|\d{1,9})|[,:](?P<thousandths>\d{3,9}|\d\d?(?=[;\])]|\s+[^\w\s]|\s+[G-Zg-z])))?"
     r"(?:\s?(?P<half>[AaPp])\.?[Mm]\b\.?(?:\.(?P<behind>\d{1,9}))?)?(?:\s?(?P<zone>Z|[+-]\d\d:?\d\d)(?!\w))?"
 )
 # Not inside other numbers, nor part of bytes that are joined with colons.
-_BEFORE, _AFTER = r"(?<![\d:.,/-])", r"(?!\d|[:.][0-9A-Fa-f])"
-_STAMP = re.compile(rf"{_BEFORE}(?:{_DATE}[T_,;]?\s*(?:-\s*)?)?{_CLOCK}{_AFTER}")
+_BEFORE, _AFTER = r"(?<![\d:.,/-])(?<!:[0-9A-Fa-f])", r"(?!\d|[:.][0-9A-Fa-f])"
+_STAMP = re.compile(rf"{_BEFORE}(?:{_DATE}[T_,;:]?\s*(?:-\s*)?)?{_CLOCK}{_AFTER}")
 _DATE_ALONE = re.compile(rf"{_BEFORE}{_DATE}(?![\d:./-])")
-_SECONDS = re.compile(r"^\s*(?:[\[(]\s*)?(?P<seconds>\d{1,10})\.(?P<fraction>\d{3,9})\d*\s*[\])]?(?=[\s:;,]|$)")
+_SECONDS = re.compile(
+    r"^\s*(?:[\[(]\s*)?(?P<seconds>\d{1,10})(?:\.|,(?=\d{3,9};))(?P<fraction>\d{3,9})\d*\s*[\])]?(?=[\s:;,]|$)"
+)
+# Since 1970 in ms or ns. Bytes that are joined have an even number of digits, and those of us are left out for that.
+_EPOCH = re.compile(r"(?<![\w.])(?P<seconds>[12]\d{9})(?P<fraction>\d{3}(?:\d{6})?)(?![\w.])")
 
 _LATEST_S = 9_150_000_000  # in the year 2259: the dissectors have no later time
 _YEARS = range(1970, 2259)  # a date of another year is ignored; its time of day is used
@@ -92,7 +97,7 @@ class TimestampParser:
             if not 1 <= hour <= 12:
                 return None
             hour = hour % 12 + (12 if half in "Pp" else 0)
-        fraction = match["fraction"] or match["thousandths"] or match["behind"] or ""
+        fraction = (match["fraction"] or match["thousandths"] or match["behind"] or "").replace(",", "")
         minute = self._seconds_of((date or self._date, hour, int(match["minute"]), match["zone"]))
         if minute is None or second > 60:
             return None
@@ -113,7 +118,7 @@ class TimestampParser:
         return self._minute[1]
 
     def _seconds(self, text: str) -> list[Stamped]:
-        match = _SECONDS.match(text)
+        match = _SECONDS.match(text) or _EPOCH.search(text)
         if not match:
             return []
         fraction = match["fraction"]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import codecs
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
@@ -12,7 +13,8 @@ from typing import Protocol
 _MARKS = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be", codecs.BOM_UTF8: "utf-8"}
 _LONGEST_MARK = 3
 UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
-_UTF_8, _LATIN_1 = "utf-8", "latin-1"
+_UTF_8, _LATIN_1, _GB = "utf-8", "latin-1", "gb18030"
+_CHINESE = re.compile(rb"(?:[\x00-\x7f]|[\xa1-\xf7][\xa1-\xfe])+")
 
 
 @dataclass(slots=True, eq=False)
@@ -41,8 +43,8 @@ class Cutter(Protocol):
 
 
 class LineCutter:
-    """Cuts pieces of a log into lines. If a line is not UTF-8, the rest of the log is Latin-1: hex is the same in
-    both.
+    """Cuts pieces of a log into lines. If a line is not UTF-8, the rest of the log is Chinese if that line can be,
+    otherwise Latin-1: hex is the same in all.
     """
 
     def __init__(self) -> None:
@@ -105,8 +107,8 @@ class LineCutter:
         try:
             return data.decode(self._encoding, "strict" if self._encoding == _UTF_8 else "replace")
         except UnicodeDecodeError:
-            self._encoding = _LATIN_1
-            return data.decode(_LATIN_1)
+            self._encoding = _GB if _CHINESE.fullmatch(data) else _LATIN_1
+            return data.decode(self._encoding, "replace")
 
 
 def lines(pieces: Iterable[bytes]) -> Iterator[LogLine]:
