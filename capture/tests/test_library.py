@@ -147,22 +147,21 @@ WRITTEN = "16 -> 3  Command  Write parameter S-0-0036 (Velocity command value) =
 
 
 @terminals
-@pytest.mark.parametrize("page", ["docs/library.md", "README.md"])
 def test_the_program_that_prints_every_write(
-    page: str, line: None, day: list[sistap.Record], capsys: pytest.CaptureFixture[str]
+    line: None, day: list[sistap.Record], capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Of the file, then of the port. The line below the program is one that it prints."""
-    exec(programs(page)[0], {})
+    exec(programs("README.md")[0], {})
     written = capsys.readouterr().out.splitlines()
     of_file = [record for record in day if record.telegram and record.telegram.service == 0x1F]
     assert len(written) == sum(not record.telegram.is_reaction for record in of_file if record.telegram) + 1
     assert written[-1] == WRITTEN
-    shown = (CAPTURE / page).read_text("utf-8").split("```")[2].strip().splitlines()
+    shown = (CAPTURE / "README.md").read_text("utf-8").split("```")[2].strip().splitlines()
     assert 0 < len(shown[:2]) == sum(line.strip() in written for line in shown[:2])
 
 
 def test_the_program_that_dissects(day: list[sistap.Record], capsys: pytest.CaptureFixture[str]) -> None:
-    exec(programs("docs/library.md")[1], {})
+    exec(programs("docs/library.md")[0], {})
     printed = [line.split(" ", 2)[1] for line in capsys.readouterr().out.splitlines()]
     said = [one.telegram for one in day if one.telegram and one.telegram.is_reaction]
     assert printed == [one.parameter for one in said if one.parameter and one.element == "value"]
@@ -173,12 +172,12 @@ def test_the_web_hook(line: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """The second master reads the same diagnosis: the hook is called once."""
     called = []
     monkeypatch.setattr("urllib.request.urlopen", lambda url, body, timeout: called.append(json.loads(body)))
-    exec(programs("docs/library.md")[2], {})
+    exec(programs("docs/library.md")[1], {})
     assert called == [{"drive": "3", "diagnosis": "F228"}]
 
 
 def test_the_table_of_values(day: list[sistap.Record], capsys: pytest.CaptureFixture[str]) -> None:
-    exec(programs("docs/library.md")[3], {})
+    exec(programs("docs/library.md")[2], {})
     rows = list(csv.reader(capsys.readouterr().out.splitlines()))
     asked = [one.telegram for one in day if one.telegram and one.telegram.parameter == "S-0-0040"]
     assert len(rows) == sum(one.is_reaction and one.element == "value" for one in asked) > 3
@@ -187,7 +186,7 @@ def test_the_table_of_values(day: list[sistap.Record], capsys: pytest.CaptureFix
 
 @terminals
 def test_the_watch_for_a_second_master(line: None, capsys: pytest.CaptureFixture[str]) -> None:
-    exec(programs("docs/library.md")[4], {})
+    exec(programs("docs/library.md")[3], {})
     assert capsys.readouterr().out == "another master: 17\n"
 
 
