@@ -3659,7 +3659,7 @@ do
     packet.cols.info:append(strformat(" | Not decoded, %d byte%s", there - offset, plural(there - offset)))
   end
 
-  local function dissect_telegrams(tvb, pinfo, tree)
+  function S.dissect_packet(tvb, pinfo, tree)
     local bytes, offset = tvb:raw(), 0
 
     S.begin_packet(pinfo)
@@ -3687,7 +3687,7 @@ do
     if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
     if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_segment(tvb, pinfo, tree) end
     if packet.record and packet.record.type == K.SERTAP_EVENT then return S.dissect_before(tvb, pinfo, tree) end
-    dissect_telegrams(tvb, pinfo, tree)
+    S.dissect_packet(tvb, pinfo, tree)
   end
 
   handle = sis.dissector
@@ -11301,13 +11301,14 @@ do
 
   at_init(function() recognized_in = {} end)
 
-  -- Gives a connection to a dissector from this packet on.
-  function S.recognize(tvb, pinfo, tree, proto)
+  -- Gives a connection to a dissector from this packet on. `dissect` is that of the protocol: called by it, it could
+  -- not ask TCP for more.
+  function S.recognize(tvb, pinfo, tree, proto, dissect)
     local connection = S.connection(pinfo)
 
     recognized_in[connection] = recognized_in[connection] or pinfo.number
     pinfo.conversation = proto
-    proto.dissector(tvb, pinfo, tree)
+    dissect(tvb, pinfo, tree)
     return true
   end
 
@@ -11895,6 +11896,11 @@ do
     return tvb:len()
   end
 
+  local function dissect_tcp(tvb, pinfo, tree)
+    S.begin_packet(pinfo)
+    S.segments_dissect(tvb, pinfo, tree, line_length, dissect_tcp_line, "SISASCII")
+  end
+
   -- A segment that begins with a whole command: no other protocol has such lines.
   local function dissect_heuristic(tvb, pinfo, tree)
     local bytes = tvb:raw()
@@ -11902,17 +11908,17 @@ do
     local text, line_end = match(sub(bytes, 1, length), "^(.-)([\r\n]*)$")
     local kind = line_end ~= "" and read_line(S.text(text)).kind
 
-    return (kind == OPEN or kind == READ or kind == WRITE) and S.recognize(tvb, pinfo, tree, sisascii)
+    return (kind == OPEN or kind == READ or kind == WRITE) and S.recognize(tvb, pinfo, tree, sisascii, dissect_tcp)
   end
 
   sisascii:register_heuristic("tcp", dissect_heuristic)
 
   function sisascii.dissector(tvb, pinfo, tree)
     if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
-    S.begin_packet(pinfo)
-    if packet.port_type == K.PORT_TYPE_TCP then
-      S.segments_dissect(tvb, pinfo, tree, line_length, dissect_tcp_line, "SISASCII")
+    if pinfo.port_type == K.PORT_TYPE_TCP then
+      dissect_tcp(tvb, pinfo, tree)
     else
+      S.begin_packet(pinfo)
       dissect_line(tvb, pinfo, tree)
     end
     return tvb:len()
@@ -11998,11 +12004,11 @@ do
     if not P.tcp_heuristic or pinfo.src_port == SIP_PORT or pinfo.dst_port == SIP_PORT or not is_sis(bytes) then
       return false
     end
-    return S.recognize(tvb, pinfo, tree, sis)
+    return S.recognize(tvb, pinfo, tree, sis, dissect_segment)
   end
 
   local function dissect_udp_heuristic(tvb, pinfo, tree)
-    return P.udp_heuristic and is_sis(tvb:raw()) and S.recognize(tvb, pinfo, tree, sis)
+    return P.udp_heuristic and is_sis(tvb:raw()) and S.recognize(tvb, pinfo, tree, sis, S.dissect_packet)
   end
 
   S.dissect_segment = dissect_segment

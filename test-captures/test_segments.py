@@ -67,6 +67,15 @@ def test_telnet_is_taken_out(passes: tuple[str, ...], tshark: Tshark) -> None:
     assert telegrams == {number: [checksum, "1"] for number, checksum in TELNET.items()}
 
 
+# A checksum, or the kind of a line.
+RECOGNIZED = {1: ["0xd7", ""], 2: ["0xcf", ""], 4: ["0xd7", ""], 5: ["0xd4", ""], 6: ["", "1"], 7: ["", "3"]}
+
+
+@PASSES
+def test_the_segment_that_is_recognized_may_end_anywhere(passes: tuple[str, ...], tshark: Tshark) -> None:
+    assert found(tshark, "tcp-recognized", ("sis.checksum", "sisascii.kind"), *passes) == RECOGNIZED
+
+
 def test_datagrams_are_not_joined(tshark: Tshark) -> None:
     telegrams = found(tshark, "udp", ("sis.checksum", "sis.length.short", "sis.start.missing"))
     assert {number: values[0] for number, values in telegrams.items()} == {

@@ -486,8 +486,8 @@ dissect_rest(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
     tvb_ensure_bytes_exist(tvb, 0, (int)there);
 }
 
-static int
-dissect_sis(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
+int
+sis_dissect_packet(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
     unsigned offset = 0;
 
@@ -510,7 +510,7 @@ void
 sis_packet_register(void)
 {
     sis_tap = register_tap("sis");
-    sis_handle = register_dissector("sis", dissect_sis, proto_sis);
+    sis_handle = register_dissector("sis", sis_dissect_packet, proto_sis);
 }
 
 void

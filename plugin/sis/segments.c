@@ -136,10 +136,11 @@ sis_segments_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
 }
 
 compat_bool
-sis_recognize(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, dissector_handle_t handle)
+sis_recognize(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, dissector_handle_t handle,
+              dissector_t dissect)
 {
     conversation_set_dissector_from_frame_number(find_or_create_conversation(pinfo), pinfo->num, handle);
-    call_dissector(handle, tvb, pinfo, tree);
+    dissect(tvb, pinfo, tree, NULL); /* called by its handle, it could not ask TCP for more */
     return TRUE;
 }
 
