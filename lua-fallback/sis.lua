@@ -3567,10 +3567,8 @@ do
     local there = body.there
 
     dissect_start(body)
-    if #body.bytes == there then
-      if there > 1 then add(body.tree, F.raw, body.tvb, 1, there - 1) end
-      add_expert(body.root, E.length_short)
-    end
+    if body.end_ > 1 then add(body.tree, F.raw, body.tvb, 1, body.end_ - 1) end
+    add_expert(body.root, E.length_short)
     return strformat("Cut telegram, %d of at least %d bytes%s", there, K.STATIC_LENGTH, body.marks)
   end
 
@@ -3578,7 +3576,7 @@ do
   local function dissect_no_telegram(body)
     if body.tree then append_text(body.root, ", not a telegram") end
     add_expert(body.root, E.start_missing)
-    if #body.bytes == body.there then add(body.tree, F.raw, body.tvb, 0, body.there) end
+    add(body.tree, F.raw, body.tvb, 0, #body.bytes)
     return strformat("Not a telegram, %d byte%s", body.there, plural(body.there))
   end
 
@@ -3592,11 +3590,11 @@ do
   local function tell_packed(tree, tvb)
     local parts, of_name = {}, {}
 
-    if not counts then return end
-    for which, times in pairs(counts) do
+    for which, times in pairs(counts or {}) do
       parts[#parts + 1], of_name[name_of[which]] = name_of[which], times
     end
     counts = nil
+    if #parts == 0 then return end
     table.sort(parts)
     for place, name in ipairs(parts) do
       parts[place] = strformat("%s=%d", name, of_name[name])
@@ -11259,24 +11257,32 @@ do
     return concat(values), places, at
   end
 
-  -- If the capture has cut a segment between two units, TCP throws an error without a message.
-  local function dissect_units(tvb, pinfo, tree, length_of, dissect_unit, name)
-    local bytes = tvb:raw()
-    local is_done, message = pcall(dissect_tcp_pdus, tvb, tree, 1,
-      function(_, of, offset) return length_of(bytes, of, offset) end, dissect_unit)
+  -- Returns whether the units, one of which may say itself that it is cut, end where the segment did before the capture
+  -- has cut that many bytes. If not, TCP throws an error without a message. It takes a unit that is longer than a tvb
+  -- for one that goes on in the next segment.
+  local function dissect_units(tvb, tree, length_of, dissect_unit, cut)
+    if not tvb then return cut == 0 end
+    local bytes, most = tvb:raw(), cut > 0 and tvb:reported_len() or math.huge
+    local there, length, last = #bytes + cut, 0, 0
+    local _, message = pcall(dissect_tcp_pdus, tvb, tree, 1, function(_, pinfo, offset)
+      length = length_of(bytes, pinfo, offset, there)
+      last = offset + length
+      return min(length, most - offset)
+    end, function(unit, pinfo, parent) return dissect_unit(unit, pinfo, parent, length) end)
 
     if message then error(message, 0) end
-    if not is_done then S.show_cut(tvb, pinfo, tree, name) end
+    return cut == 0 or last >= there
   end
 
   local function wait_for_more(pinfo, offset)
     pinfo.desegment_offset, pinfo.desegment_len = offset, DESEGMENT_ONE_MORE_SEGMENT
   end
 
-  -- Dissects each unit. length_of() says how long the one at an offset is, or 0 if more bytes are needed.
+  -- Dissects each unit. length_of() says how long the one at an offset is, or 0 if more bytes are needed. It gets the
+  -- bytes, and how many there were before the capture cut them; dissect_unit() gets the length.
   function S.segments_dissect(tvb, pinfo, tree, length_of, dissect_unit, name)
     local bytes = tvb:raw()
-    local places, last = nil, #bytes
+    local characters, places, last = tvb, nil, #bytes
 
     S.segments_look(bytes, pinfo)
     local from = telnet_from[S.connection(pinfo)]
@@ -11285,11 +11291,13 @@ do
       local left
 
       left, places, last = characters_of(bytes)
-      tvb = left ~= "" and ByteArray.new(left, true):tvb("Characters without Telnet") or nil
+      characters = left ~= "" and ByteArray.new(left, true):tvb("Characters without Telnet") or nil
     elseif pinfo.can_desegment > 0 and command_length(bytes, 0) > #bytes then
-      tvb, last = nil, 0
+      last = 0
     end
-    if tvb then dissect_units(tvb, pinfo, tree, length_of, dissect_unit, name) end
+    if last > 0 and not dissect_units(characters, tree, length_of, dissect_unit, tvb:reported_len() - #bytes) then
+      S.show_cut(tvb, pinfo, tree, name)
+    end
     if pinfo.desegment_len > 0 and places then
       wait_for_more(pinfo, places[pinfo.desegment_offset]) -- nobody knows how many bytes that takes
     elseif pinfo.desegment_len == 0 and pinfo.can_desegment > 0 and last < #bytes then
@@ -11951,10 +11959,10 @@ do
   -- For S.segments_dissect(): the length of the telegram at offset; 0 if more bytes are needed. Without a telegram (a
   -- segment was lost, the capture began in the middle): the length up to the next one. A damaged telegram also ends
   -- where another one begins: if a character was lost, its length counts the first one of the next.
-  local function telegram_length(bytes, _, offset)
+  local function telegram_length(bytes, _, offset, there)
     data = bytes
     local first, declared = examine(offset)
-    local rest, start = #data - offset, offset + 1
+    local rest, start = there - offset, offset + 1
 
     if first == GOOD or (first == INCOMPLETE and can_wait) then return declared end
     if first == DAMAGED then rest = declared end
@@ -11970,14 +11978,14 @@ do
 
   -- SIS writes the columns only if a telegram ends here; TCP describes a segment with just a part. The fence keeps
   -- the text of earlier telegrams.
-  local function dissect_pdu(tvb, pinfo, tree)
+  local function dissect_pdu(tvb, pinfo, tree, there)
     local cols = pinfo.cols
 
     cols.protocol = "SIS"
     cols.info:clear()
-    local words = S.dissect_telegram(tvb, tvb:raw(), pinfo, tree, tvb:reported_len())
+    local words = S.dissect_telegram(tvb, tvb:raw(), pinfo, tree, there)
     cols.info:append(S.separator(cols.info) .. words)
-    if tvb:len() < tvb:reported_len() then S.show_cut(tvb, pinfo, tree, "SIS") end
+    if tvb:len() < there then S.show_cut(tvb, pinfo, tree, "SIS") end
     cols.info:fence()
     return tvb:len()
   end

@@ -395,8 +395,8 @@ dissect_stump(const dissection_t *d)
     dissect_start(d);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "Cut telegram, %u of at least %u bytes%s", there,
                     SIS_STATIC_LENGTH, wmem_strbuf_get_str(d->marks));
-    if (there > 1)
-        proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 1, there - 1, ENC_NA);
+    if (d->end > 1)
+        proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 1, d->end - 1, ENC_NA);
     expert_add_info(d->pinfo, d->root, &ei_sis_length_short);
 }
 
@@ -409,7 +409,7 @@ dissect_no_telegram(const dissection_t *d)
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "Not a telegram, %u byte%s", there, plurality(there, "", "s"));
     proto_item_append_text(d->root, ", not a telegram");
     expert_add_info(d->pinfo, d->root, &ei_sis_start_missing);
-    proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 0, there, ENC_NA);
+    proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 0, tvb_captured_length(d->tvb), ENC_NA);
 }
 
 /* Whether anything below a telegram is looked at: a field of SIS, or an expert item. If a filter needs other

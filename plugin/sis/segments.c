@@ -99,7 +99,7 @@ characters_of(tvbuff_t *tvb, packet_info *pinfo)
         left.end += length;
     }
     left.places[count] = left.end;
-    left.tvb = tvb_new_child_real_data(tvb, values, count, count);
+    left.tvb = tvb_new_child_real_data(tvb, values, count, count + tvb_reported_length(tvb) - there);
     if (count > 0)
         add_new_data_source(pinfo, left.tvb, "Characters without Telnet");
     return left;
