@@ -11202,6 +11202,7 @@ do
   local IAC, SB, WILL, DO = 0xFF, 0xFA, 0xFB, 0xFD
   local COMMAND_END = "\255\240" -- IAC SE
   local COM_PORT = 0x2C -- the option of RFC 2217; what else serial lines need has smaller numbers
+  local NEGOTIATION_LENGTH = 3 -- that shows what it is; fewer bytes may become one
   local find = string.find
 
   local telnet_from -- for each connection: the packet from which on it is Telnet
@@ -11224,7 +11225,7 @@ do
 
   -- Noise of a line begins so in one segment of 180,000.
   local function is_negotiation(bytes)
-    local first, verb, option = byte(bytes, 1, 3)
+    local first, verb, option = byte(bytes, 1, NEGOTIATION_LENGTH)
 
     if first ~= IAC or not option then return false end
     return verb == SB and option == COM_PORT or (verb == WILL or verb == DO) and option <= COM_PORT
@@ -11292,7 +11293,7 @@ do
 
       left, places, last = characters_of(bytes)
       characters = left ~= "" and ByteArray.new(left, true):tvb("Characters without Telnet") or nil
-    elseif pinfo.can_desegment > 0 and command_length(bytes, 0) > #bytes then
+    elseif pinfo.can_desegment > 0 and #bytes < NEGOTIATION_LENGTH and command_length(bytes, 0) > #bytes then
       last = 0
     end
     if last > 0 and not dissect_units(characters, tree, length_of, dissect_unit, tvb:reported_len() - #bytes) then

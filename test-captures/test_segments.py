@@ -71,7 +71,12 @@ def test_telnet_is_taken_out(passes: tuple[str, ...], tshark: Tshark) -> None:
 
 
 # A checksum, or the kind of a line.
-RECOGNIZED = {1: ["0xd7", ""], 2: ["0xcf", ""], 4: ["0xd7", ""], 5: ["0xd4", ""], 6: ["", "1"], 7: ["", "3"]}
+RECOGNIZED = {
+    **{1: ["0xd7", ""], 2: ["0xcf", ""]},
+    **{4: ["0xd7", ""], 5: ["0xd4", ""]},
+    **{6: ["", "1"], 7: ["", "3"]},
+    **{8: ["0xd7", ""], 10: ["0xcf", ""], 11: ["0x5d", ""]},  # 9 may become a negotiation
+}
 
 
 @PASSES
