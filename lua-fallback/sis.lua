@@ -11520,10 +11520,12 @@ do
     if limit and limit.is_by_user then n.unit.limit = limit end
   end
 
-  -- Who has sent it: one of the two lines of a tap, or ends of a connection; 0: nobody knows.
+  -- Who has sent it: one of the two lines of a tap, or ends of a connection, whose ports may be equal; 0: nobody knows.
   local function line_of(pinfo)
     if packet.record then return packet.record.line end
-    return packet.port_type == K.PORT_TYPE_TCP and (pinfo.src_port > pinfo.dst_port and 2 or 1) or 0
+    if packet.port_type ~= K.PORT_TYPE_TCP then return 0 end
+    if pinfo.src_port ~= pinfo.dst_port then return pinfo.src_port > pinfo.dst_port and 2 or 1 end
+    return pinfo.net_dst < pinfo.net_src and 2 or 1
   end
 
   -- The line of this packet; found in the first pass, and kept.

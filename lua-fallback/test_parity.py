@@ -83,7 +83,7 @@ def cut_segments(source: random.Random) -> Iterator[Packet]:
     scenarios = [(number, Scenario(path)) for number, path in enumerate(OVER_TCP.paths * 4)]
     for number, scenario in scenarios:
         for item in scenario.items:
-            data = (item.raw or b"").replace(CLIENT_PORT.to_bytes(2), (CLIENT_PORT + number).to_bytes(2), 1)
+            data = (item.raw or b"").replace(CLIENT_PORT.to_bytes(2), (CLIENT_PORT + number).to_bytes(2))
             yield Packet(data[: source.randrange(HEADERS, len(data)) if source.random() < 0.5 else None], len(data))
 
 
