@@ -30,6 +30,8 @@ ALLOWED = (
         ),
         r'<proto name="_ws.short" showname="\1" size="0" pos="0"/>',
     ),
+    # The length of a unit of which the capture has cut the end: TCP gets another one from Lua.
+    (re.compile(r'^ *<field name="tcp.pdu.size" [^\n]*\n', re.MULTILINE), ""),
     # Wireshark puts a hidden item before everything that Lua dissects.
     (
         re.compile(

@@ -3567,10 +3567,8 @@ do
     local there = body.there
 
     dissect_start(body)
-    if #body.bytes == there then
-      if there > 1 then add(body.tree, F.raw, body.tvb, 1, there - 1) end
-      add_expert(body.root, E.length_short)
-    end
+    if body.end_ > 1 then add(body.tree, F.raw, body.tvb, 1, body.end_ - 1) end
+    add_expert(body.root, E.length_short)
     return strformat("Cut telegram, %d of at least %d bytes%s", there, K.STATIC_LENGTH, body.marks)
   end
 
@@ -3578,7 +3576,7 @@ do
   local function dissect_no_telegram(body)
     if body.tree then append_text(body.root, ", not a telegram") end
     add_expert(body.root, E.start_missing)
-    if #body.bytes == body.there then add(body.tree, F.raw, body.tvb, 0, body.there) end
+    add(body.tree, F.raw, body.tvb, 0, #body.bytes)
     return strformat("Not a telegram, %d byte%s", body.there, plural(body.there))
   end
 
@@ -3592,11 +3590,11 @@ do
   local function tell_packed(tree, tvb)
     local parts, of_name = {}, {}
 
-    if not counts then return end
-    for which, times in pairs(counts) do
+    for which, times in pairs(counts or {}) do
       parts[#parts + 1], of_name[name_of[which]] = name_of[which], times
     end
     counts = nil
+    if #parts == 0 then return end
     table.sort(parts)
     for place, name in ipairs(parts) do
       parts[place] = strformat("%s=%d", name, of_name[name])
@@ -3659,7 +3657,7 @@ do
     packet.cols.info:append(strformat(" | Not decoded, %d byte%s", there - offset, plural(there - offset)))
   end
 
-  local function dissect_telegrams(tvb, pinfo, tree)
+  function S.dissect_packet(tvb, pinfo, tree)
     local bytes, offset = tvb:raw(), 0
 
     S.begin_packet(pinfo)
@@ -3687,7 +3685,7 @@ do
     if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
     if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_segment(tvb, pinfo, tree) end
     if packet.record and packet.record.type == K.SERTAP_EVENT then return S.dissect_before(tvb, pinfo, tree) end
-    dissect_telegrams(tvb, pinfo, tree)
+    S.dissect_packet(tvb, pinfo, tree)
   end
 
   handle = sis.dissector
@@ -11204,6 +11202,7 @@ do
   local IAC, SB, WILL, DO = 0xFF, 0xFA, 0xFB, 0xFD
   local COMMAND_END = "\255\240" -- IAC SE
   local COM_PORT = 0x2C -- the option of RFC 2217; what else serial lines need has smaller numbers
+  local NEGOTIATION_LENGTH = 3 -- that shows what it is; fewer bytes may become one
   local find = string.find
 
   local telnet_from -- for each connection: the packet from which on it is Telnet
@@ -11226,7 +11225,7 @@ do
 
   -- Noise of a line begins so in one segment of 180,000.
   local function is_negotiation(bytes)
-    local first, verb, option = byte(bytes, 1, 3)
+    local first, verb, option = byte(bytes, 1, NEGOTIATION_LENGTH)
 
     if first ~= IAC or not option then return false end
     return verb == SB and option == COM_PORT or (verb == WILL or verb == DO) and option <= COM_PORT
@@ -11259,24 +11258,32 @@ do
     return concat(values), places, at
   end
 
-  -- If the capture has cut a segment between two units, TCP throws an error without a message.
-  local function dissect_units(tvb, pinfo, tree, length_of, dissect_unit, name)
-    local bytes = tvb:raw()
-    local is_done, message = pcall(dissect_tcp_pdus, tvb, tree, 1,
-      function(_, of, offset) return length_of(bytes, of, offset) end, dissect_unit)
+  -- Returns whether the units, one of which may say itself that it is cut, end where the segment did before the capture
+  -- has cut that many bytes. If not, TCP throws an error without a message. It takes a unit that is longer than a tvb
+  -- for one that goes on in the next segment.
+  local function dissect_units(tvb, tree, length_of, dissect_unit, cut)
+    if not tvb then return cut == 0 end
+    local bytes, most = tvb:raw(), cut > 0 and tvb:reported_len() or math.huge
+    local there, length, last = #bytes + cut, 0, 0
+    local _, message = pcall(dissect_tcp_pdus, tvb, tree, 1, function(_, pinfo, offset)
+      length = length_of(bytes, pinfo, offset, there)
+      last = offset + length
+      return min(length, most - offset)
+    end, function(unit, pinfo, parent) return dissect_unit(unit, pinfo, parent, length) end)
 
     if message then error(message, 0) end
-    if not is_done then S.show_cut(tvb, pinfo, tree, name) end
+    return cut == 0 or last >= there
   end
 
   local function wait_for_more(pinfo, offset)
     pinfo.desegment_offset, pinfo.desegment_len = offset, DESEGMENT_ONE_MORE_SEGMENT
   end
 
-  -- Dissects each unit. length_of() says how long the one at an offset is, or 0 if more bytes are needed.
+  -- Dissects each unit. length_of() says how long the one at an offset is, or 0 if more bytes are needed. It gets the
+  -- bytes, and how many there were before the capture cut them; dissect_unit() gets the length.
   function S.segments_dissect(tvb, pinfo, tree, length_of, dissect_unit, name)
     local bytes = tvb:raw()
-    local places, last = nil, #bytes
+    local characters, places, last = tvb, nil, #bytes
 
     S.segments_look(bytes, pinfo)
     local from = telnet_from[S.connection(pinfo)]
@@ -11285,11 +11292,13 @@ do
       local left
 
       left, places, last = characters_of(bytes)
-      tvb = left ~= "" and ByteArray.new(left, true):tvb("Characters without Telnet") or nil
-    elseif pinfo.can_desegment > 0 and command_length(bytes, 0) > #bytes then
-      tvb, last = nil, 0
+      characters = left ~= "" and ByteArray.new(left, true):tvb("Characters without Telnet") or nil
+    elseif pinfo.can_desegment > 0 and #bytes < NEGOTIATION_LENGTH and command_length(bytes, 0) > #bytes then
+      last = 0
     end
-    if tvb then dissect_units(tvb, pinfo, tree, length_of, dissect_unit, name) end
+    if last > 0 and not dissect_units(characters, tree, length_of, dissect_unit, tvb:reported_len() - #bytes) then
+      S.show_cut(tvb, pinfo, tree, name)
+    end
     if pinfo.desegment_len > 0 and places then
       wait_for_more(pinfo, places[pinfo.desegment_offset]) -- nobody knows how many bytes that takes
     elseif pinfo.desegment_len == 0 and pinfo.can_desegment > 0 and last < #bytes then
@@ -11301,13 +11310,14 @@ do
 
   at_init(function() recognized_in = {} end)
 
-  -- Gives a connection to a dissector from this packet on.
-  function S.recognize(tvb, pinfo, tree, proto)
+  -- Gives a connection to a dissector from this packet on. `dissect` is that of the protocol: called by it, it could
+  -- not ask TCP for more.
+  function S.recognize(tvb, pinfo, tree, proto, dissect)
     local connection = S.connection(pinfo)
 
     recognized_in[connection] = recognized_in[connection] or pinfo.number
     pinfo.conversation = proto
-    proto.dissector(tvb, pinfo, tree)
+    dissect(tvb, pinfo, tree)
     return true
   end
 
@@ -11510,10 +11520,12 @@ do
     if limit and limit.is_by_user then n.unit.limit = limit end
   end
 
-  -- Who has sent it: one of the two lines of a tap, or ends of a connection; 0: nobody knows.
+  -- Who has sent it: one of the two lines of a tap, or ends of a connection, whose ports may be equal; 0: nobody knows.
   local function line_of(pinfo)
     if packet.record then return packet.record.line end
-    return packet.port_type == K.PORT_TYPE_TCP and (pinfo.src_port > pinfo.dst_port and 2 or 1) or 0
+    if packet.port_type ~= K.PORT_TYPE_TCP then return 0 end
+    if pinfo.src_port ~= pinfo.dst_port then return pinfo.src_port > pinfo.dst_port and 2 or 1 end
+    return pinfo.net_dst < pinfo.net_src and 2 or 1
   end
 
   -- The line of this packet; found in the first pass, and kept.
@@ -11895,6 +11907,11 @@ do
     return tvb:len()
   end
 
+  local function dissect_tcp(tvb, pinfo, tree)
+    S.begin_packet(pinfo)
+    S.segments_dissect(tvb, pinfo, tree, line_length, dissect_tcp_line, "SISASCII")
+  end
+
   -- A segment that begins with a whole command: no other protocol has such lines.
   local function dissect_heuristic(tvb, pinfo, tree)
     local bytes = tvb:raw()
@@ -11902,17 +11919,17 @@ do
     local text, line_end = match(sub(bytes, 1, length), "^(.-)([\r\n]*)$")
     local kind = line_end ~= "" and read_line(S.text(text)).kind
 
-    return (kind == OPEN or kind == READ or kind == WRITE) and S.recognize(tvb, pinfo, tree, sisascii)
+    return (kind == OPEN or kind == READ or kind == WRITE) and S.recognize(tvb, pinfo, tree, sisascii, dissect_tcp)
   end
 
   sisascii:register_heuristic("tcp", dissect_heuristic)
 
   function sisascii.dissector(tvb, pinfo, tree)
     if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
-    S.begin_packet(pinfo)
-    if packet.port_type == K.PORT_TYPE_TCP then
-      S.segments_dissect(tvb, pinfo, tree, line_length, dissect_tcp_line, "SISASCII")
+    if pinfo.port_type == K.PORT_TYPE_TCP then
+      dissect_tcp(tvb, pinfo, tree)
     else
+      S.begin_packet(pinfo)
       dissect_line(tvb, pinfo, tree)
     end
     return tvb:len()
@@ -11945,10 +11962,10 @@ do
   -- For S.segments_dissect(): the length of the telegram at offset; 0 if more bytes are needed. Without a telegram (a
   -- segment was lost, the capture began in the middle): the length up to the next one. A damaged telegram also ends
   -- where another one begins: if a character was lost, its length counts the first one of the next.
-  local function telegram_length(bytes, _, offset)
+  local function telegram_length(bytes, _, offset, there)
     data = bytes
     local first, declared = examine(offset)
-    local rest, start = #data - offset, offset + 1
+    local rest, start = there - offset, offset + 1
 
     if first == GOOD or (first == INCOMPLETE and can_wait) then return declared end
     if first == DAMAGED then rest = declared end
@@ -11964,14 +11981,14 @@ do
 
   -- SIS writes the columns only if a telegram ends here; TCP describes a segment with just a part. The fence keeps
   -- the text of earlier telegrams.
-  local function dissect_pdu(tvb, pinfo, tree)
+  local function dissect_pdu(tvb, pinfo, tree, there)
     local cols = pinfo.cols
 
     cols.protocol = "SIS"
     cols.info:clear()
-    local words = S.dissect_telegram(tvb, tvb:raw(), pinfo, tree, tvb:reported_len())
+    local words = S.dissect_telegram(tvb, tvb:raw(), pinfo, tree, there)
     cols.info:append(S.separator(cols.info) .. words)
-    if tvb:len() < tvb:reported_len() then S.show_cut(tvb, pinfo, tree, "SIS") end
+    if tvb:len() < there then S.show_cut(tvb, pinfo, tree, "SIS") end
     cols.info:fence()
     return tvb:len()
   end
@@ -11998,11 +12015,11 @@ do
     if not P.tcp_heuristic or pinfo.src_port == SIP_PORT or pinfo.dst_port == SIP_PORT or not is_sis(bytes) then
       return false
     end
-    return S.recognize(tvb, pinfo, tree, sis)
+    return S.recognize(tvb, pinfo, tree, sis, dissect_segment)
   end
 
   local function dissect_udp_heuristic(tvb, pinfo, tree)
-    return P.udp_heuristic and is_sis(tvb:raw()) and S.recognize(tvb, pinfo, tree, sis)
+    return P.udp_heuristic and is_sis(tvb:raw()) and S.recognize(tvb, pinfo, tree, sis, S.dissect_packet)
   end
 
   S.dissect_segment = dissect_segment

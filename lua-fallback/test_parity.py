@@ -3,16 +3,19 @@
 
 from __future__ import annotations
 
+import random
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 from description import Description
 
+import bad_input
 import parity
-from make import HERE, Scenario, scenarios
+from bad_input import Packet
+from make import CLIENT_PORT, HERE, Scenario, scenarios
 from merging import Group, groups
 from rings import as_sections, records_of, ring
 from sistap.wireshark.tshark import Tshark
@@ -21,6 +24,7 @@ every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: p
 
 
 EXPERTS = {item.filter for item in Description().experts}
+HEADERS = 40  # of IP and TCP
 TABLE = "uat:"  # a table that the user edits, which Lua cannot have
 PLAIN, WITH_OPTIONS, OVER_TCP = groups()
 PASSES = pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
@@ -72,6 +76,21 @@ def test_a_file_of_a_ring(plugin: Tshark, script: Tshark, tmp_path: Path) -> Non
 @PASSES
 def test_every_item_of_each_alone(path: Path, passes: tuple[str, ...], plugin: Tshark, script: Tshark) -> None:
     parity.check(plugin, script, path.with_suffix(".pcapng"), *options(Scenario(path).options, passes))
+
+
+def cut_segments(source: random.Random) -> Iterator[Packet]:
+    """Yield the segments of all captures over TCP several times, some cut by the capture."""
+    scenarios = [(number, Scenario(path)) for number, path in enumerate(OVER_TCP.paths * 4)]
+    for number, scenario in scenarios:
+        for item in scenario.items:
+            data = (item.raw or b"").replace(CLIENT_PORT.to_bytes(2), (CLIENT_PORT + number).to_bytes(2))
+            yield Packet(data[: source.randrange(HEADERS, len(data)) if source.random() < 0.5 else None], len(data))
+
+
+def test_segments_that_the_capture_has_cut(plugin: Tshark, script: Tshark, tmp_path: Path) -> None:
+    packets = list(cut_segments(random.Random(1)))
+    bad_input.write(tmp_path / "cut.pcapng", packets, "ip")
+    parity.check(plugin, script, tmp_path / "cut.pcapng", *OVER_TCP.options, "-d", "tcp.port==4200,sis")
 
 
 @pytest.mark.parametrize("counts_from", ["end", "start"])

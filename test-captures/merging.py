@@ -54,5 +54,5 @@ def _as_section(path: Path, number: int) -> bytes:
     """Return a capture; where it is one of several over TCP, with a client's port of its own."""
     scenario = Scenario(path)
     for item in scenario.items if scenario.link == "tcp" else ():
-        item.raw = (item.raw or b"").replace(CLIENT_PORT.to_bytes(2), (CLIENT_PORT + number).to_bytes(2), 1)
+        item.raw = (item.raw or b"").replace(CLIENT_PORT.to_bytes(2), (CLIENT_PORT + number).to_bytes(2))
     return scenario.capture()

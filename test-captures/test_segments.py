@@ -7,9 +7,12 @@ from collections.abc import Sequence
 
 import pytest
 
-from make import HERE, Scenario
+import bad_input
+from bad_input import Packet
+from make import HERE, Scenario, tcp_segment
 from sistap.wireshark.tshark import Tshark
 
+TELEGRAM = bytes.fromhex("02 D7 03 03 00 03 10 03 04 07 00")
 PASSES = pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])
 
 
@@ -65,6 +68,49 @@ TELNET = {4: "0xd7", 5: "0xd4", 6: "0xcf", 8: "0xc7", 10: "0xd4", 11: "0x5d", 12
 def test_telnet_is_taken_out(passes: tuple[str, ...], tshark: Tshark) -> None:
     telegrams = found(tshark, "tcp-telnet", ("sis.checksum", "sis.checksum.status"), *passes)
     assert telegrams == {number: [checksum, "1"] for number, checksum in TELNET.items()}
+
+
+# A checksum, or the kind of a line.
+RECOGNIZED = {
+    **{1: ["0xd7", ""], 2: ["0xcf", ""]},
+    **{4: ["0xd7", ""], 5: ["0xd4", ""]},
+    **{6: ["", "1"], 7: ["", "3"]},
+    **{8: ["0xd7", ""], 10: ["0xcf", ""], 11: ["0x5d", ""]},  # 9 may become a negotiation
+    **{12: ["", "1"], 13: ["", "8,2"]},
+}
+
+
+@PASSES
+def test_the_segment_that_is_recognized_may_end_anywhere(passes: tuple[str, ...], tshark: Tshark) -> None:
+    assert found(tshark, "tcp-recognized", ("sis.checksum", "sisascii.kind"), *passes) == RECOGNIZED
+
+
+# Whole telegrams, the bytes that were captured, and the checksums of what is whole there.
+CUT = (
+    (bytes.fromhex("FF FB 2C"), 3, ""),  # from here on it is Telnet
+    (TELEGRAM * 2, 18, "0xd7"),
+    (TELEGRAM * 2, 11, "0xd7"),
+    (TELEGRAM * 2, 7, ""),
+    (TELEGRAM + bytes.fromhex("FF F1"), 12, "0xd7"),
+    (bytes.fromhex("FF F1") + TELEGRAM, 2, ""),
+    (TELEGRAM, 11, "0xd7"),
+)
+
+
+def test_over_telnet_what_the_capture_has_cut_is_not_damaged(tshark: Tshark, tmp_path: Path) -> None:
+    packets = []
+    sequence = 1
+    for data, captured, _ in CUT:
+        packets.append(Packet(tcp_segment(4200, True, sequence, 1, data)[: 40 + captured], 40 + len(data)))
+        sequence += len(data)
+    bad_input.write(tmp_path / "cut.pcapng", packets, "ip")
+    fields = ("sis.checksum", "_ws.short", "sis.length.short", "sis.start.missing")
+    names = [word for name in fields for word in ("-e", name)]
+    command = ["-r", str(tmp_path / "cut.pcapng"), "-d", "tcp.port==4200,sis", "-T", "fields", *names]
+    rows = [line.split("\t") for line in tshark.output(*command).splitlines()]
+    expected = [(checksums, captured < len(data)) for data, captured, checksums in CUT]
+    assert [(row[0], bool(row[1])) for row in rows] == expected
+    assert all(row[2:] == ["", ""] for row in rows)
 
 
 def test_datagrams_are_not_joined(tshark: Tshark) -> None:

@@ -370,13 +370,18 @@ number_in_packet(packet_info *pinfo)
     return (*count)++;
 }
 
-/* Who has sent it: one of the two lines of a tap, or ends of a connection; 0: nobody knows. */
+/* Who has sent it: one of the two lines of a tap, or ends of a connection, whose ports may be equal; 0: nobody
+ * knows. */
 static uint8_t
 line_of(const packet_info *pinfo, const sertap_record_t *record)
 {
     if (record != NULL)
         return record->line;
-    return pinfo->ptype == PT_TCP ? 1 + (pinfo->srcport > pinfo->destport) : 0;
+    if (pinfo->ptype != PT_TCP)
+        return 0;
+    if (pinfo->srcport != pinfo->destport)
+        return 1 + (pinfo->srcport > pinfo->destport);
+    return 1 + (cmp_address(&pinfo->net_src, &pinfo->net_dst) > 0);
 }
 
 const sisascii_unit_t *

@@ -606,7 +606,7 @@ dissect_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *dat
     said.text = sis_text(pinfo->pool, tvb, 0, length_without_end(tvb_new_subset_length(tvb, 0, length)));
     read_line(&said);
     return (said.kind == SISASCII_OPEN || said.kind == SISASCII_READ || said.kind == SISASCII_WRITE) &&
-           sis_recognize(tvb, pinfo, tree, tcp_handle);
+           sis_recognize(tvb, pinfo, tree, tcp_handle, dissect_tcp);
 }
 
 void

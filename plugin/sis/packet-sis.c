@@ -395,8 +395,8 @@ dissect_stump(const dissection_t *d)
     dissect_start(d);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "Cut telegram, %u of at least %u bytes%s", there,
                     SIS_STATIC_LENGTH, wmem_strbuf_get_str(d->marks));
-    if (there > 1)
-        proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 1, there - 1, ENC_NA);
+    if (d->end > 1)
+        proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 1, d->end - 1, ENC_NA);
     expert_add_info(d->pinfo, d->root, &ei_sis_length_short);
 }
 
@@ -409,7 +409,7 @@ dissect_no_telegram(const dissection_t *d)
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "Not a telegram, %u byte%s", there, plurality(there, "", "s"));
     proto_item_append_text(d->root, ", not a telegram");
     expert_add_info(d->pinfo, d->root, &ei_sis_start_missing);
-    proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 0, there, ENC_NA);
+    proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 0, tvb_captured_length(d->tvb), ENC_NA);
 }
 
 /* Whether anything below a telegram is looked at: a field of SIS, or an expert item. If a filter needs other
@@ -486,8 +486,8 @@ dissect_rest(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
     tvb_ensure_bytes_exist(tvb, 0, (int)there);
 }
 
-static int
-dissect_sis(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
+int
+sis_dissect_packet(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
     unsigned offset = 0;
 
@@ -510,7 +510,7 @@ void
 sis_packet_register(void)
 {
     sis_tap = register_tap("sis");
-    sis_handle = register_dissector("sis", dissect_sis, proto_sis);
+    sis_handle = register_dissector("sis", sis_dissect_packet, proto_sis);
 }
 
 void

@@ -8,6 +8,9 @@
 
 extern dissector_handle_t sis_handle; /* all telegrams of the data, one after the other */
 
+/* Of that handle. */
+int sis_dissect_packet(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data);
+
 /* One telegram; `tvb` begins with it and has nothing of the next. Adds to the info column. */
 void sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree);
 

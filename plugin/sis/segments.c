@@ -17,6 +17,8 @@
 #define DONT     0xFE
 #define COM_PORT 0x2C /* the option of RFC 2217; what else serial lines need has smaller numbers */
 
+#define NEGOTIATION_LENGTH 3u /* that shows what it is; fewer bytes may become one */
+
 /* What is left of a segment. */
 typedef struct {
     tvbuff_t *tvb;
@@ -51,7 +53,7 @@ command_length(tvbuff_t *tvb, unsigned offset)
 static bool
 is_negotiation(tvbuff_t *tvb)
 {
-    uint8_t verb = tvb_captured_length(tvb) >= 3 ? compat_get_uint8(tvb, 1) : 0;
+    uint8_t verb = tvb_captured_length(tvb) >= NEGOTIATION_LENGTH ? compat_get_uint8(tvb, 1) : 0;
     uint8_t option = verb != 0 ? compat_get_uint8(tvb, 2) : 0;
 
     return verb != 0 && compat_get_uint8(tvb, 0) == IAC &&
@@ -99,7 +101,7 @@ characters_of(tvbuff_t *tvb, packet_info *pinfo)
         left.end += length;
     }
     left.places[count] = left.end;
-    left.tvb = tvb_new_child_real_data(tvb, values, count, count);
+    left.tvb = tvb_new_child_real_data(tvb, values, count, count + tvb_reported_length(tvb) - there);
     if (count > 0)
         add_new_data_source(pinfo, left.tvb, "Characters without Telnet");
     return left;
@@ -123,7 +125,7 @@ sis_segments_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
     sis_segments_look(tvb, pinfo);
     if (is_telnet(pinfo))
         left = characters_of(tvb, pinfo);
-    else if (pinfo->can_desegment && command_length(tvb, 0) > there)
+    else if (pinfo->can_desegment && there < NEGOTIATION_LENGTH && command_length(tvb, 0) > there)
         left.end = 0;
     if (left.end > 0)
         tcp_dissect_pdus(left.tvb, pinfo, tree, TRUE, 1, length_of, dissect_unit, data);
@@ -136,10 +138,11 @@ sis_segments_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
 }
 
 compat_bool
-sis_recognize(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, dissector_handle_t handle)
+sis_recognize(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, dissector_handle_t handle,
+              dissector_t dissect)
 {
     conversation_set_dissector_from_frame_number(find_or_create_conversation(pinfo), pinfo->num, handle);
-    call_dissector(handle, tvb, pinfo, tree);
+    dissect(tvb, pinfo, tree, NULL); /* called by its handle, it could not ask TCP for more */
     return TRUE;
 }
 

@@ -19,8 +19,9 @@ int sis_segments_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
 void sis_segments_look(tvbuff_t *tvb, packet_info *pinfo);
 
 /* Gives a connection to a dissector from this packet on: earlier bytes were something else, in the second
- * pass, too. */
-compat_bool sis_recognize(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, dissector_handle_t handle);
+ * pass, too. `dissect` is that of the handle. */
+compat_bool sis_recognize(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, dissector_handle_t handle,
+                          dissector_t dissect);
 
 /* Begins the info of a unit. There may be text: of another unit of this packet, or of TCP, which ends with a
  * space. */

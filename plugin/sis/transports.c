@@ -103,13 +103,14 @@ dissect_tcp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void 
     sis_segments_look(tvb, pinfo);
     if (!pref_sis_tcp_heuristic || pinfo->srcport == SIP_PORT || pinfo->destport == SIP_PORT || !is_sis(tvb))
         return FALSE;
-    return sis_recognize(tvb, pinfo, tree, tcp_handle);
+    return sis_recognize(tvb, pinfo, tree, tcp_handle, dissect_tcp);
 }
 
 static compat_bool
 dissect_udp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
-    return pref_sis_udp_heuristic && is_sis(tvb) && sis_recognize(tvb, pinfo, tree, sis_handle);
+    return pref_sis_udp_heuristic && is_sis(tvb) &&
+           sis_recognize(tvb, pinfo, tree, sis_handle, sis_dissect_packet);
 }
 
 /* An entry of "wtap_encap" silently overrides the user's own DLT_USER table. So none is made unless
