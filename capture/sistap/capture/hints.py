@@ -17,7 +17,7 @@ ENOUGH_ERRORS = 20  # so many characters, all with errors, are no accident
 ENOUGH_DAMAGED = 5  # so many telegrams, none with a line error, although parity finds most damage
 ENOUGH_CHARACTERS = 500  # more than the longest telegram (263), so at least one should be complete
 ENOUGH_PIECES, FEW_AMONG = 10, 10  # so many pieces of telegrams are no accident, if telegrams are not ten times as many
-_SILENT = "Is the master on? Is this its port? Are all wires (+, -, ground) connected?"
+_SILENT = "Is the master on? Is this its port? Are all wires connected (+, -, ground)?"
 
 
 class Hints:
