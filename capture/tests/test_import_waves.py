@@ -21,9 +21,11 @@ from sampled_wire import NS, Sent, edges
 
 from sistap.analyser.finding import BAUDS, Line, find
 from sistap.common.packed import unpack
+from sistap.imports import session
+from sistap.imports import vcd as vcd_reader
 from sistap.imports.formats import known
 from sistap.imports.source import Told
-from sistap.imports.wave import Wave, opened
+from sistap.imports.wave import HEAD, Wave, opened
 from sistap.line.settings import LineSettings
 from sistap.records.record import Type
 from sistap.terminal.exits import UsageError
@@ -182,6 +184,15 @@ def test_two_directions_one_of_them_inverted() -> None:
     assert said == "19200 Bd 8E1, found by the pulses; channel TX; channel RX, idle low (inverted)"
 
 
+def test_a_direction_that_begins_later_is_no_driver_enable() -> None:
+    settings = LineSettings(9600)
+    recording = wave(
+        MHZ, A=trace(bursts(settings), MHZ), B=trace(bursts(settings, [TELEGRAMS[1][:2]], begin_ms=100), MHZ)
+    )
+    said = "9600 Bd 8E1, found by the pulses; channel A; channel B has few characters"
+    assert found(recording) == ([SENT], said)
+
+
 def test_the_same_line_twice_is_one_direction() -> None:
     """Both wires of a pair, or what a station sends beside what its receiver hears."""
     characters = bursts(LineSettings(9600))
@@ -287,6 +298,21 @@ def test_what_is_given_is_not_searched_for() -> None:
         )
 
 
+@pytest.mark.parametrize("inverted", [False, True])
+def test_settings_that_make_characters_but_no_telegram_are_told(inverted: bool) -> None:
+    """Upside down, 8E1 with a short pause after each character is 8N1, nearly without an error."""
+    settings, better = LineSettings(9600), "D0 has 9600 Bd 8E1, so leave out --baud and --format"
+    step_ns = settings.character_ns + 40_000
+    characters = [Sent(10 * MHZ + place * step_ns, value, settings) for place, value in enumerate(TELEGRAMS[0] * 20)]
+    recording = wave(MHZ, D0=trace(characters, MHZ, inverted=inverted))
+    for told in (Told(9600, "8N1"), Told(format="8N1")):
+        source = opened(Path("x"), recording, told)
+        assert "without a telegram of SIS" in source.settings_from
+        assert source.warning == f"these are not the settings of this line: {better}"
+    with pytest.raises(UsageError, match=better):
+        opened(Path("x"), recording, Told(format="8O1"))
+
+
 def test_a_channel_that_is_named_is_taken() -> None:
     settings = LineSettings(9600)
     characters = bursts(settings)
@@ -296,6 +322,12 @@ def test_a_channel_that_is_named_is_taken() -> None:
         "9600 Bd 8E1, found by the pulses; channel B, idle low (inverted)",
     )
     assert found(recording, Told(device="A,B")).lines == [SENT, SENT]
+
+
+def test_a_comma_may_be_in_a_name() -> None:
+    channel = trace(bursts(LineSettings(9600)), MHZ)
+    recording = Wave(MHZ, {"A,B": channel, "A": clock(100, 50, 500)}, channel[-1] + MHZ, MHZ)
+    assert found(recording, Told(device="A,B")) == ([SENT], "9600 Bd 8E1, found by the pulses; channel A,B")
 
 
 def test_a_rate_that_changes_is_told() -> None:
@@ -514,6 +546,36 @@ def test_damaged_recordings_are_read_or_refused(tmp_path: Path, form: Callable[[
             pass
 
 
+@pytest.mark.parametrize(
+    ("form", "end"),
+    [
+        (vcd, "#99999999999999999999 1!\n"),
+        (vcd, '#x 1! 0"\n'),
+        *((saleae, f"{time},1,0\n") for time in ("nan", "inf", "1e400", "1e18", "x")),
+    ],
+)
+def test_what_comes_before_a_time_that_is_none_is_kept(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], form: Callable[[Path], None], end: str
+) -> None:
+    path = tmp_path / "recording"
+    form(path)
+    with path.open("a") as file:
+        file.write(end)
+    assert [record.data for record in run(path).records] == TELEGRAMS
+    assert f"{path}: its end cannot be read, and is left out" in capfd.readouterr().err
+
+
+def test_signals_of_the_same_name(tmp_path: Path) -> None:
+    """In another scope, and in the same one."""
+    path = tmp_path / "x.vcd"
+    path.write_text(
+        "$timescale 1 us $end $scope module top $end $var wire 1 ! D $end $var wire 1 % D $end $var wire 1 & D $end "
+        "$enddefinitions $end #0 1! #1 1% #2 1&\n"
+    )
+    read = vcd_reader.read(path, NOTHING)
+    assert {name: list(edges) for name, edges in read.channels.items()} == {"D": [0], "top.D": [1], "D &": [2]}
+
+
 def test_without_a_row_at_the_end_the_last_character_is_complete(tmp_path: Path) -> None:
     """A table has edges only: the line stays as it is after the last one."""
     path = tmp_path / "recording"
@@ -542,6 +604,22 @@ def test_what_is_no_recording(tmp_path: Path, text: str) -> None:
     path = tmp_path / "text"
     path.write_text(text)
     assert not known(path)
+
+
+@pytest.mark.parametrize("form", [sr, dsl])
+def test_of_what_is_too_fast_for_a_line_only_the_beginning_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, form: Callable[[Path], None]
+) -> None:
+    """A bit has five samples or more. A small zip can hold much."""
+    recording = wave(MHZ, RO=array("q", range(0, 400_000, 2)), DE=array("q", range(3, 400_000, 6)))
+    monkeypatch.setitem(globals(), "RECORDING", recording)
+    form(tmp_path / "x")
+    read = session.read(tmp_path / "x", NOTHING)
+    assert len(read.channels["RO"]) <= 2 * HEAD
+    assert read.channels["DE"][:60_000] == recording.channels["DE"][:60_000]
+    monkeypatch.setattr(session, "_MOST_EDGES", 60_000)
+    with pytest.raises(UsageError, match="edges: save it again with the channels of the bus only, or a part of it"):
+        session.read(tmp_path / "x", NOTHING)
 
 
 def test_a_session_that_is_cut_off(tmp_path: Path) -> None:
