@@ -182,6 +182,15 @@ def test_two_directions_one_of_them_inverted() -> None:
     assert said == "19200 Bd 8E1, found by the pulses; channel TX; channel RX, idle low (inverted)"
 
 
+def test_a_direction_that_begins_later_is_no_driver_enable() -> None:
+    settings = LineSettings(9600)
+    recording = wave(
+        MHZ, A=trace(bursts(settings), MHZ), B=trace(bursts(settings, [TELEGRAMS[1][:2]], begin_ms=100), MHZ)
+    )
+    said = "9600 Bd 8E1, found by the pulses; channel A; channel B has few characters"
+    assert found(recording) == ([SENT], said)
+
+
 def test_the_same_line_twice_is_one_direction() -> None:
     """Both wires of a pair, or what a station sends beside what its receiver hears."""
     characters = bursts(LineSettings(9600))
@@ -285,6 +294,21 @@ def test_what_is_given_is_not_searched_for() -> None:
         assert source.warning == (
             "these are not the settings of this line: D0 has 9600 Bd 8N1, so leave out --baud and --format"
         )
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+def test_settings_that_make_characters_but_no_telegram_are_told(inverted: bool) -> None:
+    """Upside down, 8E1 with a short pause after each character is 8N1, nearly without an error."""
+    settings, better = LineSettings(9600), "D0 has 9600 Bd 8E1, so leave out --baud and --format"
+    ends_ns = (Fraction(10 * MHZ + place * (settings.character_ns + 40_000)) for place in range(220))
+    characters = [Sent(end_ns, value, settings) for end_ns, value in zip(ends_ns, TELEGRAMS[0] * 20, strict=True)]
+    recording = wave(MHZ, D0=trace(characters, MHZ, inverted=inverted))
+    for told in (Told(9600, "8N1"), Told(format="8N1")):
+        source = opened(Path("x"), recording, told)
+        assert "without a telegram of SIS" in source.settings_from
+        assert source.warning == f"these are not the settings of this line: {better}"
+    with pytest.raises(UsageError, match=better):
+        opened(Path("x"), recording, Told(format="8O1"))
 
 
 def test_a_channel_that_is_named_is_taken() -> None:

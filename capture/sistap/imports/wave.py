@@ -20,6 +20,7 @@ from sistap.terminal.exits import UsageError
 
 HEAD = 4000  # edges of a channel by which it is judged
 _MOST_CHANNELS = 64  # of an analyser; simulations have more signals
+_WRONG = "these are not the settings of this line"
 _MOST = 0.9  # a channel is what it is for this share of the time
 
 
@@ -63,8 +64,9 @@ class _Channel(NamedTuple):
         edges = [time for time in self.head.edges if time <= starts[-1] + self.length]
         before = [bisect(starts, time) for time in edges]
         late = (time - starts[place - 1] for time, place in zip(edges, before, strict=True) if place)
+        pulses = [list(zip(before[at::2], before[at + 1 :: 2], strict=False)) for at in (0, 1)]
         return sum(time < self.length * _MOST for time in late) <= (1 - _MOST) * len(edges) and any(
-            all(first < last for first, last in zip(before[at::2], before[at + 1 :: 2], strict=False)) for at in (0, 1)
+            pulse and all(first < last for first, last in pulse) for pulse in pulses
         )
 
     def said(self, lines: Sequence[_Channel]) -> str:
@@ -103,11 +105,15 @@ def opened(path: Path, wave: Wave, told: Told) -> SampledLine:
     )
     given = f"the {'rate' if told.baud else 'format'} as given" if told.baud or told.format else "found by the pulses"
     how = "as given" if told.baud and told.format else given
+    is_read, better = any(line.is_read for line in lines), ""
     if not any(line.reading.in_telegrams for line in lines):
         how += ", without a telegram of SIS"
+        better = _better(wave, heads, is_read=is_read) if told.baud or told.format else ""
     source.settings_from = "; ".join([how, *(channel.said(lines) for channel in channels)])
-    if not any(line.is_read for line in lines):
-        source.warning = f"these are not the settings of this line: {_cure(wave, channels)}"
+    if better or not is_read:
+        source.warning = better or (
+            f"{_WRONG}: try another --baud, another --format such as 8N1, or another channel with --device"
+        )
     return source
 
 
@@ -141,6 +147,8 @@ def _settings(path: Path, wave: Wave, heads: Mapping[str, Line], told: Told) -> 
         return max(found, key=lambda reading: reading.score).settings
     if told.baud:
         return told.settings
+    if better := _better(wave, heads, is_read=False):
+        raise UsageError(f"{path}: {better}")
     listed = ", ".join(f"{name} is a clock" if head.is_clock else name for name, head in heads.items())
     raise UsageError(
         f"{path} has no channel with characters at a usual rate ({listed}): if one of them is a line of the bus, add "
@@ -168,9 +176,9 @@ def _rows(wave: Wave, line: _Channel) -> Iterator[Row]:
         yield Row(line.name, Fraction(start, wave.rate) + to_stop, value, flag)
 
 
-def _cure(wave: Wave, channels: Sequence[_Channel]) -> str:
-    """Say how to import them, or what to try."""
-    for channel in channels:
-        if found := find(channel.head, wave.rate):
-            return f"{channel.name} has {found.settings}, so leave out --baud and --format"
-    return "try another --baud, another --format such as 8N1, or another channel with --device"
+def _better(wave: Wave, heads: Mapping[str, Line], *, is_read: bool) -> str:
+    """Return how to import it, if other settings make telegrams of SIS, or if these make no characters at all."""
+    for name, head in heads.items():
+        if (found := find(head, wave.rate)) and (found.in_telegrams or not is_read):
+            return f"{_WRONG}: {name} has {found.settings}, so leave out --baud and --format"
+    return ""
