@@ -21,9 +21,10 @@ from sampled_wire import NS, Sent, edges
 
 from sistap.analyser.finding import BAUDS, Line, find
 from sistap.common.packed import unpack
+from sistap.imports import session
 from sistap.imports.formats import known
 from sistap.imports.source import Told
-from sistap.imports.wave import Wave, opened
+from sistap.imports.wave import HEAD, Wave, opened
 from sistap.line.settings import LineSettings
 from sistap.records.record import Type
 from sistap.terminal.exits import UsageError
@@ -566,6 +567,22 @@ def test_what_is_no_recording(tmp_path: Path, text: str) -> None:
     path = tmp_path / "text"
     path.write_text(text)
     assert not known(path)
+
+
+@pytest.mark.parametrize("form", [sr, dsl])
+def test_of_what_is_too_fast_for_a_line_only_the_beginning_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, form: Callable[[Path], None]
+) -> None:
+    """A bit has five samples or more. A small zip can hold much."""
+    recording = wave(MHZ, RO=array("q", range(0, 400_000, 2)), DE=array("q", range(3, 400_000, 6)))
+    monkeypatch.setitem(globals(), "RECORDING", recording)
+    form(tmp_path / "x")
+    read = session.read(tmp_path / "x", NOTHING)
+    assert len(read.channels["RO"]) <= 2 * HEAD
+    assert read.channels["DE"][:60_000] == recording.channels["DE"][:60_000]
+    monkeypatch.setattr(session, "_MOST_EDGES", 60_000)
+    with pytest.raises(UsageError, match="edges: save it again with the channels of the bus only, or a part of it"):
+        session.read(tmp_path / "x", NOTHING)
 
 
 def test_a_session_that_is_cut_off(tmp_path: Path) -> None:

@@ -20,12 +20,13 @@ from zipfile import BadZipFile, ZipFile, is_zipfile
 
 from sistap.analyser.finding import BAUDS
 from sistap.analyser.probe import hertz
-from sistap.analyser.uart import HIGH, LOW, Edges
+from sistap.analyser.uart import FEWEST_SAMPLES, HIGH, LOW, Edges
 from sistap.imports.source import Told
 from sistap.imports.wave import HEAD, Wave
 from sistap.terminal.exits import UsageError
 
-_PIECE = 1 << 20  # bytes read at once
+_PIECE = 1 << 17  # bytes read at once
+_MOST_EDGES = 16_000_000  # of all channels: an hour of a busy bus at 9600 Bd
 _MOST_TEXT = 1 << 20  # bytes
 _EIGHT = [b"".join(HIGH if value >> bit & 1 else LOW for bit in range(8)) for value in range(256)]
 
@@ -48,25 +49,31 @@ def read(path: Path, told: Told) -> Wave:
     try:
         with ZipFile(path) as archive:
             reader = _dsview if _is_dsview(archive) else _sigrok
-            return _wave(*reader(archive, path, told), told)
+            return _wave(path, *reader(archive, path, told), told)
     except (BadZipFile, OSError, EOFError, NotImplementedError, RuntimeError, zlib.error) as error:
         raise UsageError(f"{path} cannot be read ({error}): save it again") from None
     except (ConfigError, KeyError, ValueError) as error:
         raise UsageError(f"{path} is no session with samples of logic ({error})") from None
 
 
-def _wave(samplerate: int, names: Sequence[str], samples: _Samples, told: Told) -> Wave:
+def _wave(path: Path, samplerate: int, names: Sequence[str], samples: _Samples, told: Told) -> Wave:
     """Find the edges. Of a channel that is too fast for a serial line, only the beginning counts."""
-    fastest = max(BAUDS[-1], told.baud or 0) / samplerate
+    fastest = min(max(BAUDS[-1], told.baud or 0) / samplerate, 1 / FEWEST_SAMPLES)  # edges in a sample
     edges = {name: Edges() for name in names}
     channels = {name: array("q") for name in names}
     too_fast = set()
     for name, piece in samples:
         if name not in too_fast:
             found = edges[name].feed(piece)
-            channels[name].extend(found)
             if len(found) > max(HEAD, len(piece) * fastest):
                 too_fast.add(name)
+                del found[HEAD:]
+            channels[name].extend(found)
+            if sum(map(len, channels.values())) > _MOST_EDGES:
+                raise UsageError(
+                    f"{path} has more than {_MOST_EDGES // 10**6} million edges: save it again with the channels of "
+                    "the bus only, or a part of it"
+                )
     return Wave(samplerate, channels, max(finder.now for finder in edges.values()), samplerate)
 
 
