@@ -372,7 +372,8 @@ def test_settings_of_cp210x(setup: Setup, data: str, text: str) -> None:
 )
 def test_divisors_of_pl2303(coded: int, baud: int) -> None:
     setup = Setup(CLASS_REQUEST, SET_LINE_CODING, 0, 0)
-    assert cdc_says.settings_after(setup, line_coding(coded, 0, 2, 8), LINE).baud == baud
+    assert cdc_says.pl2303_settings_after(setup, line_coding(coded, 0, 2, 8), LINE).baud == baud
+    assert cdc_says.settings_after(setup, line_coding(coded, 0, 2, 8), LINE).baud == coded
 
 
 def test_a_capture_without_the_format_says_so(tmp_path: Path) -> None:

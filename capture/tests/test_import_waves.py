@@ -22,6 +22,7 @@ from sampled_wire import NS, Sent, edges
 from sistap.analyser.finding import BAUDS, Line, find
 from sistap.common.packed import unpack
 from sistap.imports import session
+from sistap.imports import vcd as vcd_reader
 from sistap.imports.formats import known
 from sistap.imports.source import Told
 from sistap.imports.wave import HEAD, Wave, opened
@@ -323,6 +324,12 @@ def test_a_channel_that_is_named_is_taken() -> None:
     assert found(recording, Told(device="A,B")).lines == [SENT, SENT]
 
 
+def test_a_comma_may_be_in_a_name() -> None:
+    channel = trace(bursts(LineSettings(9600)), MHZ)
+    recording = Wave(MHZ, {"A,B": channel, "A": clock(100, 50, 500)}, channel[-1] + MHZ, MHZ)
+    assert found(recording, Told(device="A,B")) == ([SENT], "9600 Bd 8E1, found by the pulses; channel A,B")
+
+
 def test_a_rate_that_changes_is_told() -> None:
     """Only the beginning is searched: 4000 edges. All of it is read."""
     slow, fast = bursts(LineSettings(9600)), bursts(LineSettings(115200), TELEGRAMS * 40, begin_ms=100)
@@ -537,6 +544,36 @@ def test_damaged_recordings_are_read_or_refused(tmp_path: Path, form: Callable[[
             assert not opener or list(opener(path, chance.choice((NOTHING, Told(9600, device="RO")))).reads())
         except UsageError:
             pass
+
+
+@pytest.mark.parametrize(
+    ("form", "end"),
+    [
+        (vcd, "#99999999999999999999 1!\n"),
+        (vcd, '#x 1! 0"\n'),
+        *((saleae, f"{time},1,0\n") for time in ("nan", "inf", "1e400", "1e18", "x")),
+    ],
+)
+def test_what_comes_before_a_time_that_is_none_is_kept(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], form: Callable[[Path], None], end: str
+) -> None:
+    path = tmp_path / "recording"
+    form(path)
+    with path.open("a") as file:
+        file.write(end)
+    assert [record.data for record in run(path).records] == TELEGRAMS
+    assert f"{path}: its end cannot be read, and is left out" in capfd.readouterr().err
+
+
+def test_signals_of_the_same_name(tmp_path: Path) -> None:
+    """In another scope, and in the same one."""
+    path = tmp_path / "x.vcd"
+    path.write_text(
+        "$timescale 1 us $end $scope module top $end $var wire 1 ! D $end $var wire 1 % D $end $var wire 1 & D $end "
+        "$enddefinitions $end #0 1! #1 1% #2 1&\n"
+    )
+    read = vcd_reader.read(path, NOTHING)
+    assert {name: list(edges) for name, edges in read.channels.items()} == {"D": [0], "top.D": [1], "D &": [2]}
 
 
 def test_without_a_row_at_the_end_the_last_character_is_complete(tmp_path: Path) -> None:

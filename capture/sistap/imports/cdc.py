@@ -37,7 +37,13 @@ def settings_after(setup: Setup, data: bytes, settings: LineSettings) -> LineSet
         return settings
     baud, stop, parity, bits = _LINE_CODING.unpack_from(data)
     changed = with_format(settings, bits, parity, stop)
-    return settings if changed is settings else changed._replace(baud=_rate(baud) if baud & _IS_DIVISOR else baud)
+    return settings if changed is settings else changed._replace(baud=baud)
+
+
+def pl2303_settings_after(setup: Setup, data: bytes, settings: LineSettings) -> LineSettings:
+    """Return the line settings after a request to a PL2303."""
+    after = settings_after(setup, data, settings)
+    return after._replace(baud=_rate(after.baud)) if after.baud & _IS_DIVISOR else after
 
 
 def _rate(coded: int) -> int:

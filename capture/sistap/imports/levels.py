@@ -16,7 +16,7 @@ from typing import NamedTuple
 from sistap.analyser.probe import hertz
 from sistap.imports.saleae import seconds
 from sistap.imports.source import NS, Told, lines
-from sistap.imports.wave import Wave
+from sistap.imports.wave import NO_END, Wave
 from sistap.terminal.exits import UsageError
 
 SALEAE = "<SALEAE>"
@@ -53,7 +53,7 @@ def read_table(path: Path, told: Told) -> Wave:
     rate = NS if layout.unit_ns else samplerate or NS
     channels = [array("q") for _ in layout.names]
     now, last = _BEFORE_ALL if layout.unit_ns else -1, 0
-    before = None
+    before, warning = None, ""
     try:
         for line in lines(path):
             time, _, row = line.partition(layout.separator) if layout.unit_ns else ("", "", line)
@@ -68,11 +68,11 @@ def read_table(path: Path, told: Told) -> Wave:
                 for channel, level in zip(channels, levels, strict=False):
                     if len(channel) % 2 != int(level):
                         channel.append(now)
-    except (ValueError, OverflowError) as error:
-        raise UsageError(f"{path} is no table of levels that can be read ({error})") from None
+    except (ValueError, OverflowError):
+        now, warning = max((channel[-1] for channel in channels if channel), default=0), NO_END
     # A last row without a change is the end. Else the levels stay as they are.
     end = now if now > last else now + rate
-    return Wave(rate, dict(zip(layout.names, channels, strict=True)), end, samplerate)
+    return Wave(rate, dict(zip(layout.names, channels, strict=True)), end, samplerate, warning)
 
 
 def read_saleae(path: Path, told: Told) -> Wave:

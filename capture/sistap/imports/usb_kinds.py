@@ -53,7 +53,7 @@ CP210X = Kind("CP210x", cp210x.VENDORS, cp210x.REQUESTS, cp210x.settings_after, 
 # Its events were switched on before the capture began.
 CP210X_WITH_EVENTS = CP210X._replace(name="CP210x with events", transfers=lambda: cp210x.Events(cp210x.ESCAPE))
 CDC = Kind("CDC", frozenset(), cdc.REQUESTS, cdc.settings_after, notified=cdc.errors, no_rate=cdc.NO_RATE)
-PL2303 = Kind("PL2303", cdc.PL2303_VENDORS, cdc.PL2303_REQUESTS, cdc.settings_after, notified=cdc.errors)
+PL2303 = Kind("PL2303", cdc.PL2303_VENDORS, cdc.PL2303_REQUESTS, cdc.pl2303_settings_after, notified=cdc.errors)
 
 # Of kinds that the same evidence fits, the first goes before the others.
 KINDS = (UNKNOWN, FTDI, CH340, CP210X, CP210X_WITH_EVENTS, CDC, PL2303)

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from sistap.analyser.probe import hertz
 from sistap.imports.source import Told, lines
-from sistap.imports.wave import Wave
+from sistap.imports.wave import NO_END, Wave
 from sistap.terminal.exits import UsageError
 
 _UNITS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12, "fs": 10**15}
@@ -26,9 +26,16 @@ def read(path: Path, told: Told) -> Wave:
     """Read a dump: its signals of one bit. May raise UsageError."""
     words = (word for line in lines(path) for word in line.split())
     try:
-        return _changes(words, _Header(words))
+        header = _Header(words)
     except (ValueError, OverflowError) as error:
         raise UsageError(f"{path} is no value change dump that can be read ({error})") from None
+    edges = {code: array("q") for code in header.names}
+    channels = {header.names[code]: signal for code, signal in edges.items()}
+    try:
+        end, warning = _take(words, edges, header.rate), ""
+    except (ValueError, OverflowError):
+        end, warning = max((signal[-1] for signal in edges.values() if signal), default=0) + header.rate, NO_END
+    return Wave(header.rate, channels, end, header.samplerate, warning)
 
 
 class _Header:
@@ -54,8 +61,9 @@ class _Header:
                 case "$upscope", _:
                     del scopes[-1:]
                 case "$var", [_, "1", code, name, *_] if code not in self.names:
-                    self.names[code] = ".".join([*scopes, name]) if name in known else name
-                    known.add(name)
+                    names = (name, ".".join([*scopes, name]), f"{name} {code}")
+                    self.names[code] = next(one for one in names if one not in known)
+                    known.add(self.names[code])
         if not self.rate:
             raise ValueError("no $timescale")
 
@@ -67,8 +75,8 @@ def _rate(text: str) -> int:
     return _UNITS[match[2]] // int(match[1])
 
 
-def _changes(words: Iterator[str], header: _Header) -> Wave:
-    edges = {code: array("q") for code in header.names}
+def _take(words: Iterator[str], edges: Mapping[str, array[int]], rate: int) -> int:
+    """Add the edges of the signals, by their codes; return the end. May raise ValueError and OverflowError."""
     now = last = 0
     for word in words:
         level, code = word[0], word[1:]
@@ -83,5 +91,4 @@ def _changes(words: Iterator[str], header: _Header) -> Wave:
         if signal is not None and level in ("0", "1") and len(signal) % 2 != int(level):
             signal.append(now)
             last = now
-    channels = {header.names[code]: signal for code, signal in edges.items()}
-    return Wave(header.rate, channels, now if now > last else now + header.rate, header.samplerate)
+    return now if now > last else now + rate

@@ -20,6 +20,7 @@ from sistap.terminal.exits import UsageError
 
 HEAD = 4000  # edges of a channel by which it is judged
 _MOST_CHANNELS = 64  # of an analyser; simulations have more signals
+NO_END = "its end cannot be read, and is left out"
 _WRONG = "these are not the settings of this line"
 _MOST = 0.9  # a channel is what it is for this share of the time
 
@@ -31,6 +32,7 @@ class Wave(NamedTuple):
     channels: Mapping[str, array[int]]  # the times of the edges, by name
     end: int
     samplerate: int | None = None  # Hz; None: unknown
+    warning: str = ""  # what could not be read
 
 
 class _Channel(NamedTuple):
@@ -105,6 +107,7 @@ def opened(path: Path, wave: Wave, told: Told) -> SampledLine:
     )
     given = f"the {'rate' if told.baud else 'format'} as given" if told.baud or told.format else "found by the pulses"
     how = "as given" if told.baud and told.format else given
+    source.warning = source.warning or wave.warning
     is_read, better = any(line.is_read for line in lines), ""
     if not any(line.reading.in_telegrams for line in lines):
         how += ", without a telegram of SIS"
@@ -119,7 +122,9 @@ def opened(path: Path, wave: Wave, told: Told) -> SampledLine:
 
 def _heads(path: Path, wave: Wave, told: Told) -> dict[str, Line]:
     """Return the beginnings of the channels that are named, else of those that change."""
-    names = told.device.split(",") if told.device else list(wave.channels)
+    names = list(wave.channels)
+    if told.device:
+        names = [told.device] if told.device in wave.channels else told.device.split(",")
     if unknown := [name for name in names if name not in wave.channels]:
         listed = ", ".join(wave.channels)
         raise UsageError(f"{path} has no channel {', '.join(unknown)}: --device names one or two of {listed}")
