@@ -145,7 +145,7 @@ def test_without_a_rate_it_says_what_to_add(tmp_path: Path, capfd: pytest.Captur
         (0x0001, 0, 2_000_000),
         (0x0002, 0, 1_500_000),
         (0x0040, 0, 46_875),  # no usual rate is near
-        (0xC010, 0, 186_047),  # / 16.125
+        (0xC013, 0, 156_863),  # / 19.125
         (0x8010, 0, 184_615),  # / 16.25
         (0x4010, 0, 181_818),  # / 16.5
     ],

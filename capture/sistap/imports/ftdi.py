@@ -12,8 +12,7 @@ from sistap.imports.usb_line import Plain, flags, rate, with_format
 from sistap.imports.usb_transfers import Setup
 from sistap.line.settings import LineSettings
 
-VENDOR = 0x0403
-VENDORS = frozenset({VENDOR})
+VENDORS = frozenset({0x0403})
 LATENCY_MS = 16  # of the timer after power-on
 
 _VENDOR_REQUEST = 0x40

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from sistap.analyser.finding import BAUDS
 from sistap.imports.usb_transfers import Setup
 from sistap.line.settings import Flag, LineSettings
 
 # The line status of a 16550, as FTDI and CP210x adapters say it.
 _OVERRUN, _PARITY, _FRAMING, _BREAK = 0x02, 0x04, 0x08, 0x10
 
-_USUAL_RATES = (300, 600, 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600)
 _TOLERANCE = 0.01  # a divisor is closer than this to the usual rates
 
 
@@ -40,7 +40,7 @@ def with_format(settings: LineSettings, bits: int, parity: int, stop: int) -> Li
 
 def rate(*readings: float) -> int:
     """Return the rate in Bd that a divisor means. Of several readings, the one closest to a usual rate is right."""
-    error, usual, reading = min((abs(each / usual - 1), usual, each) for each in readings for usual in _USUAL_RATES)
+    error, usual, reading = min((abs(each / usual - 1), usual, each) for each in readings for usual in BAUDS)
     return usual if error < _TOLERANCE else round(reading)
 
 

@@ -17,7 +17,7 @@ from sistap.capture.tap import Conditions
 from sistap.captures.stream import Stream
 from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
-from sistap.imports.ftdi import VENDOR as FTDI
+from sistap.imports import ftdi
 from sistap.line.clock import CLOCK
 from sistap.line.ports import Adapter
 from sistap.line.reader import PortLost, latency
@@ -109,7 +109,7 @@ class WebReader:
         self.line = line
         self.name = name
         self.settings = settings
-        self._behind = Adapter(name, "", FTDI_MS) if vendor == FTDI else Adapter(name)
+        self._behind = Adapter(name, "", FTDI_MS) if vendor in ftdi.VENDORS else Adapter(name)
         self.adapter = str(self._behind)
         self._set_bound(late_ns)
         bound = self._bound
