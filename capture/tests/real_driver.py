@@ -19,6 +19,7 @@ class Driver:
     ) -> None:
         """`size` is the only number of data bits that it accepts; it silently ignores others."""
         monkeypatch.setattr(ports, "adapter", lambda port: ports.Adapter(name, driver))
+        monkeypatch.setattr(termios, "TIOCEXCL", termios.TIOCNXCL)  # a pseudo terminal would stay claimed
         monkeypatch.setattr(termios, "tcsetattr", self._set)
         monkeypatch.setattr(termios, "tcgetattr", self._get)
         self.asked: list[list[int]] = []

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import errno
-import fcntl
 import os
 import pty
 import shutil
@@ -17,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.line import others
+from sistap.line import others, ports
 from sistap.line.others import Others
 from sistap.line.reader import PortError, latency, open_reader
 from sistap.line.settings import LineSettings
@@ -285,38 +284,38 @@ def test_a_file_that_is_no_device_is_not_asked(proc: Proc, port: str, tmp_path: 
 
 # -- Exclusive ports ---------------------------------------------------------------------------------------------------
 
-TIOCGEXCL = 0x80045440  # Linux, <asm-generic/ioctls.h>
-
-
-def is_claimed(port: str) -> bool:
-    descriptor = os.open(port, os.O_RDONLY | os.O_NOCTTY)  # as root
-    try:
-        return any(fcntl.ioctl(descriptor, TIOCGEXCL, bytes(4)))
-    finally:
-        os.close(descriptor)
-
-
 @needs_root
-def test_nobody_else_can_open_a_port_that_is_read(port: str) -> None:
+def test_nobody_else_can_open_a_port_that_is_read(port: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One with hardware: its claim ends when it is closed."""
+    monkeypatch.setattr(ports, "adapter", lambda _: ports.Adapter())
     os.chown(port, 65534, 65534)
     opening = [*NOBODY, "sh", "-c", 'exec 3<"$0"', port]
     assert subprocess.run(opening, check=False).returncode == 0
-    reader = open_reader(port, LineSettings())
+    reader = open_reader(port, LineSettings(parity="N"))
     refused = subprocess.run(opening, capture_output=True, text=True, check=False)
     assert refused.returncode and "busy" in refused.stderr
     reader.close()
-    assert subprocess.run(opening, check=False).returncode == 0
+
+
+READ = """
+import sys
+from sistap.line.reader import open_reader
+from sistap.line.settings import LineSettings
+reader = open_reader(sys.argv[1], LineSettings())
+print("reads", flush=True)
+reader.read(60)
+"""
 
 
 @needs_root
-def test_the_claim_ends_with_the_reader_also_if_opening_fails(port: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    reader = open_reader(port, LineSettings())
-    assert is_claimed(port)
-    reader.close()
-    assert not is_claimed(port)
-    with pytest.raises(PortError):
-        open_reader(port, LineSettings(3_000_000_000))
-    assert not is_claimed(port)
+def test_a_reader_that_is_killed_leaves_no_claim_of_a_pseudo_terminal(start: Start, port: str) -> None:
+    """There a claim would stay, and stop an ordinary user, until the bus closes its end."""
+    os.chown(port, 65534, 65534)
+    for _ in range(2):
+        reader = start(*NOBODY, sys.executable, "-c", READ, port)
+        assert ready(reader) == "reads"
+        reader.kill()
+        reader.wait()
 
 
 HOLD = "import fcntl, sys, termios; port = open(sys.argv[1]); {}; print(flush=True); input()"
@@ -329,10 +328,6 @@ def test_root_does_not_ignore_a_claim(start: Start, port: str) -> None:
     ready(other)
     with pytest.raises(PortError, match=rf"^{port} is in use by python[\d.]* \(pid {other.pid}, user root\), end"):
         open_reader(port, LineSettings())
-    other.kill()
-    other.wait()
-    assert is_claimed(port)  # this process keeps the terminal, and so the claim of who was killed
-    open_reader(port, LineSettings()).close()
 
 
 def test_who_reads_before_is_named_when_the_port_is_opened(cat: subprocess.Popen[bytes], port: str) -> None:

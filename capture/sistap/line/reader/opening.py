@@ -17,7 +17,7 @@ import termios
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from sistap.line import others, ports
+from sistap.line import ports
 from sistap.line.reader.contract import PortError
 from sistap.line.reader.pyserial import closed_serial
 from sistap.line.reader.trouble import Otherwise, device_trouble
@@ -91,8 +91,9 @@ def open_device(port: str, settings: LineSettings, pseudo_terminal: bool) -> ser
             device.bytesize, device.parity = 8, "N"
         device.open()
         try:
-            with suppress(OSError):
-                fcntl.ioctl(device.fileno(), termios.TIOCEXCL)  # from now on, only root can open it
+            if not pseudo_terminal:  # there the claim would stay until its other end is closed
+                with suppress(OSError):
+                    fcntl.ioctl(device.fileno(), termios.TIOCEXCL)  # from now on, only root can open it
             _mark_errors(device.fileno())
             _check(device, settings, pseudo_terminal)
         except BaseException:
@@ -130,7 +131,7 @@ def _lowering() -> type[serial.Serial]:
     class Lowering(serial.Serial):
         def _reconfigure_port(self, force_update: bool = False) -> None:
             if self.fd is not None and not self.is_open:
-                _check_claim(self.fd, str(self.port))
+                _check_claim(self.fd)
                 # Lock it first: the lines of a port that another program uses must not change. pyserial then reports
                 # the error.
                 with suppress(OSError):
@@ -139,21 +140,15 @@ def _lowering() -> type[serial.Serial]:
             pyserial: Any = super()  # its types have no private names
             pyserial._reconfigure_port(force_update)
 
-        def close(self) -> None:
-            if self.is_open:
-                with suppress(OSError):  # it can be gone
-                    fcntl.ioctl(self.fileno(), termios.TIOCNXCL)
-            super().close()
-
     return Lowering
 
 
-def _check_claim(fd: int, port: str) -> None:
+def _check_claim(fd: int) -> None:
     """Raise OSError if another program has claimed a port, which stops all but root."""
     claimed = False
     with suppress(OSError):  # not Linux
         claimed = any(fcntl.ioctl(fd, _TIOCGEXCL, bytes(4)))
-    if claimed and others.look(port).known:  # who was killed can leave a claim behind
+    if claimed:
         raise OSError(errno.EBUSY, os.strerror(errno.EBUSY))
 
 
