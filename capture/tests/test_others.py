@@ -284,6 +284,7 @@ def test_a_file_that_is_no_device_is_not_asked(proc: Proc, port: str, tmp_path: 
 
 # -- Exclusive ports ---------------------------------------------------------------------------------------------------
 
+
 @needs_root
 def test_nobody_else_can_open_a_port_that_is_read(port: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """One with hardware: its claim ends when it is closed."""

@@ -17,7 +17,7 @@ ENOUGH_ERRORS = 20  # so many characters, all with errors, are no accident
 ENOUGH_DAMAGED = 5  # so many telegrams, none with a line error, although parity finds most damage
 ENOUGH_CHARACTERS = 500  # more than the longest telegram (263), so at least one should be complete
 ENOUGH_PIECES, FEW_AMONG = 10, 10  # so many pieces of telegrams are no accident, if telegrams are not ten times as many
-_SILENT = "is the master on, this its port, each wire (+, -, ground) connected?"
+_SILENT = "is the master on? Is this its port? Are all wires connected (+, -, ground)?"
 
 
 class Hints:
@@ -34,7 +34,7 @@ class Hints:
         self._port = port
         self._weighed: tuple[int, ...] = ()  # counters, when pieces were weighed
         self._torn = False
-        self._doubt, self._sharing = (False, False), ""  # quiet and torn, when other programs were looked for
+        self._doubt = False, False  # quiet and torn, when other programs were looked for
 
     def look(self, counters: Counters, elapsed_s: float, searching: Scan | None = None) -> Iterator[str]:
         """Yield the new hints; `elapsed_s` is how long the capture has been running, `searching` whether it looks
@@ -54,15 +54,15 @@ class Hints:
     ) -> str:
         """Return that another program may take characters, if what comes looks like it: no telegram, or pieces.
 
-        It is looked for when the doubt begins, and if it shall be done anew.
+        It is looked for when the doubt begins, and at the end once more (`anew`): then it is said again.
         """
         quiet = elapsed_s >= SILENT_S and not counters.telegrams and not counters.faulty_characters
         torn = self._is_torn(counters, searching) or (quiet and counters.pieces > 1)
-        if (quiet or torn) and (anew or self._doubt != (quiet, torn)):
-            found = others.look(self._port)
-            self._sharing = found.warning(self._port) if found.known or (torn and found.unknown) else ""
-        self._doubt = quiet, torn
-        return self._sharing if quiet or torn else ""
+        before, self._doubt = self._doubt, (quiet, torn)
+        if not (quiet or torn) or (self._doubt == before and not anew):
+            return ""
+        found = others.look(self._port)
+        return found.warning(self._port) if found.known or (torn and found.unknown) else ""
 
     def _is_torn(self, counters: Counters, searching: Scan | None) -> bool:
         """Tell whether telegrams come in pieces, and no line error explains it.
