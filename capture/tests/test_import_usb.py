@@ -449,6 +449,14 @@ def test_a_device_that_is_no_adapter(tmp_path: Path, capfd: pytest.CaptureFixtur
     assert "has no characters of a serial adapter that is known, and no good telegrams" in capfd.readouterr().err
 
 
+def test_a_capture_that_is_cut_before_its_characters(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    source = ftdi().save(tmp_path / "usb.pcap")
+    source.write_bytes(source.read_bytes()[:-1])
+    assert run(source).code == 2
+    said = "no good telegrams; its end is missing: it appears to have been cut short in the middle of a packet; begin"
+    assert said in capfd.readouterr().err
+
+
 @pytest.mark.thorough
 def test_a_capture_that_is_cut_anywhere(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     host = ftdi()
@@ -463,7 +471,7 @@ def test_a_capture_that_is_cut_anywhere(tmp_path: Path, capfd: pytest.CaptureFix
         assert done.code == 0
         assert characters(done.records, SENT) == COMMAND
         assert characters(done.records, RECEIVED) == 2 * REACTION
-        assert "what comes before the damage is imported" in capfd.readouterr().err
+        assert "its end is missing: it " in capfd.readouterr().err
 
 
 @pytest.mark.parametrize("seconds", ["-1.5", "18446744073709551615.000000000"])

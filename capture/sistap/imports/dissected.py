@@ -32,7 +32,7 @@ class Rows:
         except TsharkError as error:
             if not rows.is_cut(error):
                 raise
-            self.warning = rows.last_words(error, "what comes before the damage is imported: it")
+            self.warning = rows.last_words(error, "its end is missing: it").rstrip(".")
 
 
 def protocols(tshark: Tshark, capture: Path) -> frozenset[str]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import heapq
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
 from sistap.imports import cdc, ftdi
 from sistap.imports.source import RECEIVED, SENT, Told, need_rate, numbered
-from sistap.imports.usb_kinds import CDC, FORMS, FTDI, KINDS, Kind
+from sistap.imports.usb_kinds import CDC, FORMS, FTDI, KINDS, UNKNOWN, Kind
 from sistap.imports.usb_transfers import (
     BULK,
     CONTROL,
@@ -227,8 +227,7 @@ class _Device:
         best = max(kinds, key=lambda kind: (good[kind], (kind is FTDI) == self._has_status))
         if why and best is kinds[0]:
             return best, why
-        fewer = "".join(f", as {kind.name} {count}" for kind, count in good.items() if count < good[best])
-        telegrams = f"{good[best]} good telegrams{fewer}" if good[best] else ""
+        telegrams = _telegrams(best, good) if good[best] else ""
         status = "a status in front of its characters" if best is FTDI and self._has_status else ""
         return best, "; ".join(filter(None, (why, telegrams, status)))
 
@@ -252,6 +251,17 @@ class _Device:
         return 0 < self._inbound == self._status_first
 
 
+def _telegrams(best: Kind, good: Mapping[Kind, int]) -> str:
+    """Say how many good telegrams there are, and how many if it is read as another kind."""
+    fewer = [
+        f"as {'plain characters' if kind is UNKNOWN else kind.name}: {count or 'none'}"
+        for kind, count in good.items()
+        if count < good[best]
+    ]
+    said = f"{good[best]} good telegram{'s' if good[best] > 1 else ''}"
+    return f"{said}; read {', '.join(fewer)}" if fewer else said
+
+
 class Transfers(Protocol):
     """The transfers in a file."""
 
@@ -268,7 +278,8 @@ class UsbCapture:
         """Find the chosen adapter in the capture. May raise UsageError and TsharkError."""
         self._transfers = transfers
         self._told = told
-        port = _chosen(_ports(self._transfers, told), capture, told.device)
+        ports = _ports(self._transfers, told)
+        port = _chosen(ports, capture, told.device, self._transfers.warning)
         self._device, self._port, self._kind = port.name.rstrip(_LETTERS), port.name, port.adapter.kind
         assert port.settings
         self.settings = port.settings
@@ -320,12 +331,13 @@ def _ports(transfers: Transfers, told: Told) -> list[_Port]:
     return [port for device in devices.values() for port in device.ports()]
 
 
-def _chosen(ports: list[_Port], capture: Path, device: str | None) -> _Port:
+def _chosen(ports: list[_Port], capture: Path, device: str | None, warning: str) -> _Port:
     listed = "; ".join(str(port) for port in ports)
     if not ports:
         raise UsageError(
-            f"{capture} has no characters of a serial adapter that is known, and no good telegrams; begin the capture "
-            "before the adapter is plugged in, so that it shows what it is"
+            f"{capture} has no characters of a serial adapter that is known, and no good telegrams; "
+            + (warning and f"{warning}; ")
+            + "begin the capture before the adapter is plugged in, so that it shows what it is"
         )
     if device is None and len(ports) > 1:
         raise UsageError(f"{capture} has several adapters: choose one with --device: {listed}")
