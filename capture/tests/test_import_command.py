@@ -57,7 +57,7 @@ def test_the_last_line_says_how_good_it_is(tmp_path: Path, capfd: pytest.Capture
     assert lines[0].startswith("sistap: 1 telegrams, 0 of them damaged, 12 characters")
     assert lines[1].startswith(
         "sistap: 9600 Bd 8E1, as the adapter was set; times of USB transfers (FTDI: vendor 0403), latency timer 16 ms, "
-        "and a USB frame: characters can have come up to 17 ms earlier, and a verdict needs"
+        "and a USB frame: characters can have come up to 17 ms earlier; an interval that close to its limit"
     )
     host.receive(34, 36, STATUS + REACTION + REACTION)
     host.save(tmp_path / "usb.pcap")

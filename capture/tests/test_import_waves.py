@@ -302,8 +302,8 @@ def test_what_is_given_is_not_searched_for() -> None:
 def test_settings_that_make_characters_but_no_telegram_are_told(inverted: bool) -> None:
     """Upside down, 8E1 with a short pause after each character is 8N1, nearly without an error."""
     settings, better = LineSettings(9600), "D0 has 9600 Bd 8E1, so leave out --baud and --format"
-    step_ns = settings.character_ns + 40_000
-    characters = [Sent(10 * MHZ + place * step_ns, value, settings) for place, value in enumerate(TELEGRAMS[0] * 20)]
+    ends_ns = (Fraction(10 * MHZ + place * (settings.character_ns + 40_000)) for place in range(220))
+    characters = [Sent(end_ns, value, settings) for end_ns, value in zip(ends_ns, TELEGRAMS[0] * 20, strict=True)]
     recording = wave(MHZ, D0=trace(characters, MHZ, inverted=inverted))
     for told in (Told(9600, "8N1"), Told(format="8N1")):
         source = opened(Path("x"), recording, told)

@@ -17,7 +17,7 @@ ENOUGH_ERRORS = 20  # so many characters, all with errors, are no accident
 ENOUGH_DAMAGED = 5  # so many telegrams, none with a line error, although parity finds most damage
 ENOUGH_CHARACTERS = 500  # more than the longest telegram (263), so at least one should be complete
 ENOUGH_PIECES, FEW_AMONG = 10, 10  # so many pieces of telegrams are no accident, if telegrams are not ten times as many
-_SILENT = "Is the master on? Is this its port? Are all wires connected (+, -, ground)?"
+_SILENT = "is the master on? Is this its port? Are all wires connected (+, -, ground)?"
 
 
 class Hints:
@@ -83,7 +83,7 @@ class Hints:
         all_wrong = characters > 0 and counters.faulty_characters == characters
         hint = None
         if not characters and elapsed_s >= SILENT_S:
-            hint = f"nothing received for {SILENT_S} s. {_SILENT}"
+            hint = f"nothing received for {SILENT_S} s: {_SILENT}"
         # A wrong parity makes no break and spoils no telegram; swapped wires and a wrong rate do both.
         elif all_wrong and characters >= ENOUGH_ERRORS and (counters.telegrams or not counters.breaks):
             other = "8E1" if settings.parity == "N" else "8N1"
@@ -106,7 +106,7 @@ class Hints:
 def _diagnose_search(counters: Counters, elapsed_s: float, scan: Scan) -> str | None:
     hint = None
     if not counters.characters and elapsed_s >= SILENT_S:
-        hint = f"nothing received for {SILENT_S} s. {_SILENT} (the search goes on)"
+        hint = f"nothing received for {SILENT_S} s: {_SILENT} (the search goes on)"
     elif scan.in_vain and counters.telegrams:
         hint = "telegrams come, but none without line errors: try --format 8O1, then others; the search goes on"
     elif scan.in_vain:

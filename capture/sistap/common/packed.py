@@ -36,7 +36,7 @@ def unpack(path: Path) -> str:
     names = _names(path) if head.startswith(b"PK") else []
     if recording := next((what for name, what in _RECORDINGS.items() if name in names), ""):
         return f"{path} {recording}"
-    if head.startswith(b"PK") and not names:
+    if head.startswith(b"PK\x03\x04") and not names:
         return f"{path} is a damaged zip: copy it again from where it was recorded"
     command = next((command for magic, command in _PACKED.items() if re.match(magic, head)), "")
     return f"{path} is packed: unpack it first, for example with `{command} {shell_word(str(path))}`" if command else ""

@@ -48,9 +48,9 @@ EPILOG = """\
 examples:
   sistap import usb.pcapng -w bus.pcapng                               the file contains rate and format
   sistap import usb.pcapng -w bus.pcapng --device 1.5                  one of several adapters
-  sistap import logic.csv -w bus.pcapng --baud 9600                    a table does not say the rate
-  sistap import logic.csv -w s5.pcapng --baud 9600 --framing 3964r     an S5 and a PPC over 3964R
-  sistap import pulseview.sr -w bus.pcapng                             the levels themselves: the rate is found
+  sistap import pulseview.sr -w bus.pcapng                             levels (.sr, .vcd, .csv ...): the rate is found
+  sistap import decoded.csv -w bus.pcapng --baud 9600                  characters of a decoder: no rate in the table
+  sistap import decoded.csv -w s5.pcapng --baud 9600 --framing 3964r   an S5 and a PPC over 3964R
   sistap import pulseview.txt -w - --baud 9600 --samplerate 1000000 | wireshark -C SIS -k -i -
   sistap import messages.csv -w pcp.pcapng --dissector synaxpcp        lines such as 0.125,M,0082 000C 0002
 
@@ -87,9 +87,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--framing", type=argument(Cut.parse), default=SIS, metavar=WORDS, help=HELP)
     add(
         "--device",
-        metavar="BUS.ADDRESS",
-        help="choose this adapter, if a USB capture has several; in levels of a logic analyser, these channels: D0 or "
-        "D0,D1",
+        metavar="ADAPTER|CHANNELS",
+        help="of a USB capture with several adapters, the one to take: BUS.ADDRESS, such as 1.5; of the levels of a "
+        "logic analyser, the channels of the bus: D0 or D0,D1",
     )
     add(
         "--samplerate",
@@ -196,8 +196,8 @@ def _precision(uncertainties_ns: Counter[int]) -> str:
             break
     most = f" (half of them {_milliseconds(half)})" if half < ordered[-1] else ""
     return (
-        f"characters can have come up to {_milliseconds(ordered[-1])} earlier{most}, and a verdict needs a time that "
-        "is further from its limit than that"
+        f"characters can have come up to {_milliseconds(ordered[-1])} earlier{most}; an interval that close to its "
+        "limit gets no verdict"
     )
 
 
