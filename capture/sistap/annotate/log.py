@@ -21,9 +21,9 @@ from sistap.wireshark.tshark import Tshark, TsharkError
 
 DESCRIPTION = """\
 Write a capture as a log: one line of text for each telegram with its time, direction and bytes, and its explanation
-below. Of a capture of a network, it has the packets of the connections with SIS. `sistap annotate` reads such a log and
-finds the same telegrams at the same times. The explanations come from Wireshark's dissector: install tshark with the
-plugin or sis.lua.
+below. `sistap annotate` reads such a log and finds the same telegrams at the same times. Of a capture of a network, the
+log has the packets of the connections with SIS. The bytes of Telnet are in it, and annotate takes them for characters.
+The explanations come from Wireshark's dissector: install tshark with the plugin or sis.lua.
 """
 
 EPILOG = """\
