@@ -11850,15 +11850,17 @@ do
     S.tell_access(access, line.tvb, line.tree)
   end
 
-  -- For S.segments_dissect(). Who ends lines with CR alone waits for the answer, so LF is not waited for.
-  local function line_length(bytes, pinfo, offset)
+  -- For S.segments_dissect(). Who ends lines with CR alone waits for the answer, so LF is not waited for. A line that
+  -- the capture has cut has the rest of the segment.
+  local function line_length(bytes, pinfo, offset, reported)
     local there, first = min(#bytes - offset, K.SISASCII_MOST_LINE), offset + 1
     local _, last = find(bytes, "^%?", first)
 
     if not last then _, last = find(bytes, "^E%d%d?%d?:>", first) end
     if last then return last - offset end
     _, last = find(bytes, "^" .. ANY_TEXT .. "*", first)
-    if last - offset >= there then return pinfo.can_desegment > 0 and there < K.SISASCII_MOST_LINE and 0 or there end
+    if last - offset >= K.SISASCII_MOST_LINE then return K.SISASCII_MOST_LINE end
+    if last - offset == there then return pinfo.can_desegment > 0 and 0 or reported - offset end
     local _, line_end = find(bytes, "^\r?\n?", last + 1)
 
     if line_end == last then _, line_end = find(bytes, "^[^" .. sub(ANY_TEXT, 2, -2) .. "\r\n]+", last + 1) end
@@ -11870,9 +11872,9 @@ do
     return #bytes == there and (#bytes == 0 or find(bytes, "[" .. sub(ANY_TEXT, 2, -2) .. "\r\n]$") ~= nil)
   end
 
-  local function dissect_line(tvb, pinfo, tree)
+  local function dissect_line(tvb, pinfo, tree, there)
     local root = tree and tree:add(sisascii, tvb())
-    local raw, there = tvb:raw(), T.reported_len(tvb)
+    local raw = tvb:raw()
     local bytes = match(raw, "^(.-)[\r\n]*$")
     local line = {tvb = tvb, tree = root, root = root, length = #bytes, words = "", marks = "",
       times = S.times(tvb, there, there)}
@@ -11899,9 +11901,10 @@ do
   end
 
   -- LF alone may belong to the line before, whose CR ended it; an empty line says nothing.
-  local function dissect_tcp_line(tvb, pinfo, tree)
+  local function dissect_tcp_line(tvb, pinfo, tree, there)
     if find(tvb:raw(), "[^\r\n]") then
-      dissect_line(tvb, pinfo, tree)
+      dissect_line(tvb, pinfo, tree, there)
+      if tvb:len() < there then S.show_cut(tvb, pinfo, tree, "SISASCII") end
       pinfo.cols.info:fence()
     end
     return tvb:len()
@@ -11915,7 +11918,7 @@ do
   -- A segment that begins with a whole command: no other protocol has such lines.
   local function dissect_heuristic(tvb, pinfo, tree)
     local bytes = tvb:raw()
-    local length = P.tcp_heuristic and line_length(bytes, pinfo, 0) or 0
+    local length = P.tcp_heuristic and line_length(bytes, pinfo, 0, tvb:reported_len()) or 0
     local text, line_end = match(sub(bytes, 1, length), "^(.-)([\r\n]*)$")
     local kind = line_end ~= "" and read_line(S.text(text)).kind
 
@@ -11930,7 +11933,7 @@ do
       dissect_tcp(tvb, pinfo, tree)
     else
       S.begin_packet(pinfo)
-      dissect_line(tvb, pinfo, tree)
+      dissect_line(tvb, pinfo, tree, T.reported_len(tvb))
     end
     return tvb:len()
   end

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import pytest
 
@@ -111,6 +112,23 @@ def test_over_telnet_what_the_capture_has_cut_is_not_damaged(tshark: Tshark, tmp
     expected = [(checksums, captured < len(data)) for data, captured, checksums in CUT]
     assert [(row[0], bool(row[1])) for row in rows] == expected
     assert all(row[2:] == ["", ""] for row in rows)
+
+
+def test_line_that_the_capture_has_cut_is_text(tshark: Tshark, tmp_path: Path) -> None:
+    """It may have said something else: another value, another drive."""
+    lines = [(b"BCD:21\r", 7), (b"BCD:21\r", 5), (b"S-0-0051,7,R\r12.34\r", 16), (b"S-0-0044,7,W,12\r\n", 15)]
+    packets = []
+    sequence = 1
+    for data, captured in lines:
+        packets.append(Packet(tcp_segment(4001, True, sequence, 1, data)[: 40 + captured], 40 + len(data)))
+        sequence += len(data)
+    bad_input.write(tmp_path / "cut.pcapng", packets, "ip")
+    command = ["-r", str(tmp_path / "cut.pcapng"), "-d", "tcp.port==4001,sisascii", "-T", "fields"]
+    rows = tshark.output(*command, "-e", "sisascii.kind", "-e", "sisascii.text", "-e", "_ws.col.Info").splitlines()
+    kinds, texts, infos = zip(*(row.split("\t") for row in rows), strict=True)
+    assert kinds == ("1", "0", "3,0", "0")
+    assert texts == ("", "BCD:2", "12.", "S-0-0044,7,W,12")
+    assert ["Packet size limited" in info for info in infos] == [False, True, True, True]
 
 
 def test_datagrams_are_not_joined(tshark: Tshark) -> None:

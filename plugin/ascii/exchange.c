@@ -370,8 +370,8 @@ number_in_packet(packet_info *pinfo)
     return (*count)++;
 }
 
-/* Who has sent it: one of the two lines of a tap, or ends of a connection, whose ports may be equal; 0: nobody
- * knows. */
+/* Who has sent it: one of the two lines of a tap, or ends of a connection, whose ports may be equal;
+ * 0: nobody knows. */
 static uint8_t
 line_of(const packet_info *pinfo, const sertap_record_t *record)
 {

@@ -498,7 +498,8 @@ prompt_length(const uint8_t *text, unsigned there)
     return text[0] == 'E' && at > 1 && at + 1 < there && text[at] == ':' && text[at + 1] == '>' ? at + 2 : 0;
 }
 
-/* For sis_segments_dissect(). Who ends lines with CR alone waits for the answer, so LF is not waited for. */
+/* For sis_segments_dissect(). Who ends lines with CR alone waits for the answer, so LF is not waited for. A
+ * line that the capture has cut has the rest of the segment. */
 static unsigned
 line_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
 {
@@ -510,8 +511,10 @@ line_length(packet_info *pinfo, tvbuff_t *tvb, int offset, void *data _U_)
         return length;
     while (length < there && is_text(text[length]))
         length++;
+    if (length == SISASCII_MOST_LINE)
+        return length;
     if (length == there)
-        return pinfo->can_desegment && there < SISASCII_MOST_LINE ? 0 : there;
+        return pinfo->can_desegment ? 0 : tvb_reported_length_remaining(tvb, offset);
     if (is_end(text[length]))
         return length + 1 + (text[length] == '\r' && length + 1 < there && text[length + 1] == '\n');
     while (length < there && !is_text(text[length]) && !is_end(text[length]))
@@ -583,6 +586,7 @@ dissect_tcp_line(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data
     if (length_without_end(tvb) > 0) {
         dissect_sisascii(tvb, pinfo, tree, data);
         col_set_fence(pinfo->cinfo, COL_INFO);
+        tvb_ensure_bytes_exist(tvb, 0, (int)tvb_reported_length(tvb)); /* Wireshark says that it is cut */
     }
     return tvb_captured_length(tvb);
 }
@@ -601,7 +605,7 @@ dissect_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *dat
     unsigned length = is_asked ? line_length(pinfo, tvb, 0, NULL) : 0;
     sisascii_said_t said = {0};
 
-    if (length == 0 || !is_end(compat_get_uint8(tvb, length - 1)))
+    if (length == 0 || length > tvb_captured_length(tvb) || !is_end(compat_get_uint8(tvb, length - 1)))
         return FALSE;
     said.text = sis_text(pinfo->pool, tvb, 0, length_without_end(tvb_new_subset_length(tvb, 0, length)));
     read_line(&said);
