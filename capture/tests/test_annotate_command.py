@@ -421,6 +421,34 @@ def test_a_log_without_bytes_or_without_telegrams(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        ("RX 02D703030003100304070", "line 1: an odd number of hexadecimal digits (21)"),
+        ("RX <STX>l<NUL><NUL>", "line 1: characters are shown as text, which loses most of them: log in hexadecimal"),
+    ],
+)
+def test_a_log_in_which_nothing_could_be_read_says_why(tmp_path: Path, line: str, why: str) -> None:
+    (tmp_path / "x").write_text(f"{line}\n" * 5)
+    refused(run(tmp_path, "x"), 2, f"no bytes were found in x: {why}\n")
+
+
+def test_telegrams_in_the_middle_of_a_log_are_found(tmp_path: Path) -> None:
+    """In a notation that is not read without a choice, and after more lines than are looked at together."""
+    boot = "".join(f"boot step {step} ok\n" for step in range(1300))
+    (tmp_path / "x").write_text(boot + "2;108;0;0;0;146;0;0\n" * 30 + boot)
+    done = run(tmp_path, "x")
+    assert done.stderr == b"sistap: x: bytes: decimal, separated by semicolons\n"
+    assert done.stdout.count(b"Read phase") == 30
+
+
+def test_a_damaged_telegram_is_one_wherever_it_stands_in_a_log_with_right_ones(tmp_path: Path) -> None:
+    """What stood in front of it, bytes of something else, says nothing."""
+    damaged = "02 D6 03 03 00 03 10 03 04 07 00"
+    (tmp_path / "x").write_text(f"RX {'55 ' * 14}\nRX {damaged}\n" + f"RX {SET_RATE.hex(' ')}\n" * 9)
+    assert run(tmp_path, "x").stdout.decode().count("[wrong checksum]") == 1
+
+
+@pytest.mark.parametrize(
     ("content", "words"),
     [
         (bytes.fromhex("0a0d0d0a1c000000"), "x is a capture, not a log: `sistap log x` explains it"),

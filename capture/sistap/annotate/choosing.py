@@ -44,18 +44,15 @@ class AnyReader:
     def __init__(self, sample: Sequence[LogLine] | None = None, framing: Cut = SIS) -> None:
         """Choose by the beginning of a file. Without it, choose as the lines come; those before stay as they are."""
         self._framing = framing
-        self._kept = deque(sample or (), _LINES)
-        self._doubtful = 0  # lines that were read without a choice, or have numbers and nothing was read
+        self._kept: deque[LogLine] = deque(maxlen=_LINES)  # the last doubtful lines
+        self._tried = len(sample or ())  # lines by which it was chosen before they are read
+        self._doubtful = min(self._tried, _LINES)  # lines that were read without a choice, or have numbers alone
         self._reader = ChosenReader(ANYTHING)
         self._is_chosen = False
-        self._is_alone = True  # nearly all bytes up to now are of damaged telegrams
+        self._is_alone = True  # nearly all bytes are of damaged telegrams
         if sample is not None:
             self._choose(sample)
             self._reader.marks.note("\n".join(line.text for line in sample))
-            self._doubtful = len(self._kept)
-            if not self._is_chosen:
-                frames, _, widest = _sizes(self._kept, framing)
-                self._reader.choice = ANYTHING._replace(reads_few=bool(frames) or widest >= PAIRS.enough)
 
     @property
     def notation(self) -> str:
@@ -65,30 +62,33 @@ class AnyReader:
     @property
     def is_trusted(self) -> bool:
         """Whether a damaged telegram is one: the log has right ones, too, or hardly anything else."""
-        if not self._is_chosen and self._is_alone:
-            frames, others, _ = _sizes(self._kept, self._framing)
-            self._is_alone = frames > 2 * others
         return self._is_chosen or self._is_alone
 
     def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line."""
-        self._kept.append(line)
-        if self._is_chosen and (contents := self._reader.contents(line)).pieces:
+        contents = self._reader.contents(line) if self._is_chosen or line.number <= self._tried else None
+        if contents and (contents.pieces or not self._is_chosen or not any(map(str.isdigit, line.text))):
             return contents
-        self._doubt(line)
-        return self._reader.contents(line)
+        return self._reader.contents(line) if self._doubt(line) or not contents else contents
 
-    def _doubt(self, line: LogLine) -> None:
-        """Choose again after one doubtful line, two, four, eight ..."""
-        if not self._is_chosen or any(map(str.isdigit, line.text)):
-            self._doubtful += 1
-            if not self._doubtful & (self._doubtful - 1):
-                self._choose(self._kept)
+    def _doubt(self, line: LogLine) -> bool:
+        """Choose again after one doubtful line, two, four, eight ...; tell whether that changed anything."""
+        self._kept.append(line)
+        self._doubtful += 1
+        return not self._doubtful & (self._doubtful - 1) and self._choose(self._kept)
 
-    def _choose(self, lines: Iterable[LogLine]) -> None:
+    def _choose(self, lines: Iterable[LogLine]) -> bool:
+        before = self._reader.choice
         if choice := choose(lines, self._framing):
-            self._reader.choice = self._reader.choice.joined(choice) if self._is_chosen else choice
+            self._reader.choice = before.joined(choice) if self._is_chosen else choice
             self._is_chosen = True
+        elif not self._is_chosen:
+            frames, others, widest = _sizes([*lines][-_LINES:], self._framing)
+            self._is_alone = frames >= 2 * others
+            # Of a pipe, nobody knows what comes.
+            reads_few = not self._tried or bool(frames) or widest >= PAIRS.enough
+            self._reader.choice = ANYTHING._replace(reads_few=reads_few)
+        return self._reader.choice != before
 
 
 def choose(lines: Iterable[LogLine], framing: Cut = SIS) -> Choice | None:
@@ -101,10 +101,8 @@ def choose(lines: Iterable[LogLine], framing: Cut = SIS) -> Choice | None:
 
 
 def _windows(prepared: list[Prepared]) -> Iterator[list[Prepared]]:
-    """Yield the beginning and the end: one is enough for a choice."""
-    yield prepared[:_LINES]
-    if len(prepared) > _LINES:
-        yield prepared[-_LINES:]
+    """Return all parts, in order: one with telegrams is enough for a choice."""
+    return (prepared[at : at + _LINES] for at in range(0, len(prepared), _LINES))
 
 
 def _sizes(lines: Iterable[LogLine], framing: Cut) -> tuple[int, int, int]:

@@ -128,7 +128,7 @@ def run(args: argparse.Namespace) -> int:
             console.say(f"{_name(args)}: bytes: {source.reader.notation}")
     if written and passage.bytes:
         console.say(written)
-    return _judge(args, passage, console)
+    return _judge(args, passage, troubles, console)
 
 
 def _check(args: argparse.Namespace) -> None:
@@ -143,17 +143,15 @@ def _is_same(path: str, log: str) -> bool:
     return log != "-" and Path(path).exists() and Path(log).exists() and Path(path).samefile(log)
 
 
-def _judge(args: argparse.Namespace, passage: Passage, console: Console) -> int:
+def _judge(args: argparse.Namespace, passage: Passage, troubles: Troubles, console: Console) -> int:
     """Report it if there was nothing to explain."""
     log = _name(args)
     if passage.has_ascii:
         console.say(f"{log} has lines of the ASCII protocol of drives: explain them with --framing ascii")
         return DONE if passage.bytes else USAGE
     if not passage.bytes:
-        console.say(
-            f"no bytes were found in {log}: log in hexadecimal, or say with --regex where they are; what a logic "
-            "analyser recorded is for `sistap import`"
-        )
+        why = troubles.first or "log in hexadecimal, or say with --regex where they are"
+        console.say(f"no bytes were found in {log}: {why}")
         return USAGE
     if not passage.telegrams:
         wanted = "telegram of SIS" if args.framing == SIS else "frame"

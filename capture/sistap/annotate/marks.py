@@ -81,7 +81,7 @@ def joined(text: str) -> int | None:
     """Find the first mark that is joined to other words, as in "IRP_MJ_READ". Other text has such marks in any
     sentence.
     """
-    for match in _MARK.finditer(text):
+    for match in _MARK.finditer(text) if "_" in text else ():
         if "_" in text[match.start() - 1 : match.start()] + text[match.end() : match.end() + 1]:
             return _line(match)
     return None

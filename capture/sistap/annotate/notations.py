@@ -20,7 +20,7 @@ _BEFORE, _AFTER = r"(?:(?<![\w.#/+\\$])|(?=[$%\\]))", r"(?!\w|\.\d|#)"
 _MARK = r"0[xX]|&[hH]|[$%]|\\x|(?:(?i:B|BYTE)#)?16#"
 # Words of a Siemens or IEC 61131 program, high byte first: W#16#02E1, DW#16#02E1_0505, 16#02E1, and KH=02E1 of an S5;
 # and \x02E1 of a data base.
-_MARK_OF_WORD = r"(?:(?i:D?W|D?WORD)#)?16#|KH\s*=?\s*|0[xX]|\\x"
+_MARK_OF_WORD = r"(?:(?i:D?W|D?WORD)#)?16#|KH\s*(?:=\s*)?|0[xX]|\\x"
 _GAP = re.compile(r"[ \t]+|(?!:\s)[^\w.\x00-\x08]{0,5}")  # between two numbers of a run
 _BITS = re.compile(r"[01]{8}(?: [01]{8})+")
 _SWAPPED = "words, low byte first"
@@ -58,16 +58,17 @@ class Numbers(NamedTuple):
     base: int = 16
     is_joined: bool = False  # several bytes stand side by side
 
-    def runs(self, text: str) -> tuple[list[Run], int]:
+    def runs(self, text: str, *, has_column: bool = True) -> tuple[list[Run], int]:
         """Find runs of numbers with the same separator, and where a text column begins that shows the same bytes."""
         found: list[Run] = []
+        text = text.rstrip()
         numbers = [*self.number.finditer(text)] if self.hint.search(text) else []
         for first, last in _evenly(text, numbers, by_length=self.is_joined):
             if self.is_joined and first < last and len(numbers[first][0]) == len("02"):
                 continue
             run = self.run(text, numbers[first].start(), numbers[last].end())
-            if (end := _before_column(text, run)) is not None:
-                return self.runs(text[:end])[0], end
+            if has_column and (end := _before_column(text, run)) is not None:
+                return self.runs(text[:end], has_column=False)[0], end
             if self.base == 2 or not _BITS.fullmatch(run.text):
                 found.append(run)
         return found, len(text)
@@ -98,13 +99,14 @@ class Text(NamedTuple):
     said: re.Pattern[str]  # finds such texts; its group `said` are the characters
     byte: re.Pattern[str]  # its groups: hex, octal, decimal, letter, char
     is_plain: bool = False
+    ends_line: bool = False  # such a text is the rest of its line
 
     def runs(self, text: str) -> tuple[list[Run], int]:
         """Find such texts; there is no column behind them."""
         return [
             Run(one.start("said"), one.end("said"), self.name, one["said"], bytes(map(_value, found)))
             for one in self.said.finditer(text)
-            if (found := [*self.byte.finditer(one["said"])])
+            if not (self.ends_line and one.end() < len(text)) and (found := [*self.byte.finditer(one["said"])])
         ], len(text)
 
     def is_wide(self, run: Run, text: str) -> bool:
@@ -137,7 +139,7 @@ def _text(name: str, hint: str, escapes: str, said: str, **kinds: Any) -> Text:
 
 
 def _quoted(escape: str) -> str:
-    return rf"(?P<quote>['\"])(?P<said>(?:{escape}[ -~]|(?!{escape}|(?P=quote))[ -~])*)(?P=quote)"
+    return rf"(?<!{escape})(?P<quote>['\"])(?P<said>(?:{escape}[ -~]|(?!{escape}|(?P=quote))[ -~])*)(?P=quote)"
 
 
 PAIRS = _numbers("pairs of hexadecimal digits", _HH, _HH, f"({_HH})", 4)
@@ -179,7 +181,8 @@ NOTATIONS: tuple[Notation, ...] = (
         "text with numbers of characters in <>",
         f"<0x{_HH}>",
         f"<0x(?P<hex>{_HH})>",
-        rf"(?:(?<={MASK}\] )|(?<={MASK} )|(?=<0x))(?P<said>[ -~]+)$",
+        rf"(?:(?<={MASK}\] )|(?<={MASK} )|(?=<0x))(?P<said>[ -~]+)",
+        ends_line=True,
     ),
     _text(
         "text with numbers of characters of Delphi",
@@ -259,10 +262,10 @@ def _before_column(text: str, run: Run) -> int | None:
     """Return where the bytes end if the text behind them, or the end of the run, shows the same bytes as characters."""
     if len(run.data) > _WIDEST:
         return None
-    length, spans = len(text.rstrip()), None
+    length, spans = len(text), None
     # The column is no wider than the number of bytes, each with a blank, and ends the line.
     for gap in _COLUMN.finditer(text, max(run.start, length - 2 * len(run.data) - _BORDERS)):
-        column = text[gap.end() :].rstrip().rstrip("|'\"*").rstrip()
+        column = text[gap.end() :].rstrip("|'\"*").rstrip()
         if not column:
             continue
         spans = spans or run.spans()

@@ -28,9 +28,11 @@ _BRACKETS = "<[{"  # directly in front of bytes these are not marks; a letter in
 _WAY_BACK = re.compile(r"IRP_MJ_WRITE\W+UP\b")  # Windows' drivers pass a request down, then up with the same bytes
 _COLOUR = re.compile(r"\x1b\[[\d;]*[A-Za-z]")  # of a terminal
 # What may stand beside a mark in a line of its own: its name, and a count.
-_KEY = re.compile(r"\W*[A-Za-z]+\W*[:=]\W*")
+_KEY = re.compile(r"(?<![A-Za-z])[A-Za-z]{1,20}\W{0,9}[:=]\W{0,9}")
 _REST = re.compile(rf"(?i){PORT.pattern}|\b(?:hex|data|daten)\b|\b\d+ ?(?:bytes?|characters?|chars?|zeichen)\b")
-_NUMBER = re.compile(rf"{MASK}+|[^\W{MASK}]*\d[^\W{MASK}]*|\s+")
+_NEAR = 80  # characters in front of bytes tell which they are: a line can be long
+_NUMBER = re.compile(rf"[^\W{MASK}]*\d[^\W{MASK}]*")
+_GAP = re.compile(rf"[{MASK}\s]+")
 _TEXT = re.compile(r"<(?:STX|NUL|SOH|ETX|EOT|ENQ|ACK|BEL|BS|DLE|ESC|CR|LF)>", re.IGNORECASE)
 _ODD = re.compile(r"(?<!\w)(?:[0-9A-Fa-f]{2}){8,}[0-9A-Fa-f](?!\w)")
 
@@ -196,7 +198,8 @@ class ChosenReader:
             return runs
         known = self._places[notation.name]
         wide = [notation.is_wide(run, masked) for run in runs]
-        places = [*places_of(masked, runs, wide)]
+        is_looked = chosen or known or any(wide)
+        places = [*places_of(masked, runs, wide)] if is_looked else [""] * len(runs)
         are_words = isinstance(notation, Numbers) and _has_letters(masked[runs[-1].end : end])
         new = {place for place, is_wide in zip(places, wide, strict=True) if is_wide}
         known |= new
@@ -232,10 +235,10 @@ class ChosenReader:
         return None if _has_words(rest) and (is_word or not shows) else line
 
 
-@lru_cache(1024)  # the texts in front of the bytes of a log repeat, once their stamps are masked
+@lru_cache(256)  # the texts in front of the bytes of a log repeat, once their stamps are masked
 def _place(before: str) -> str:
     """Return what stands in front of bytes, without its numbers, times and marks."""
-    return _NUMBER.sub(lambda one: " " if one[0].isspace() or one[0][0] == MASK else "0", marks.without(before)).strip()
+    return _GAP.sub(" ", _NUMBER.sub("0", marks.without(before))).strip()[-_NEAR // 2 :]
 
 
 def _mask(text: str, stamps: list[Stamped]) -> str:
@@ -251,7 +254,7 @@ def places_of(masked: str, runs: list[Run], wide: list[bool]) -> Iterator[str]:
     """Yield what stands in front of each run. Other numbers and bytes there are like any number."""
     before, end = "", 0
     for run, is_wide in zip(runs, wide, strict=True):
-        before += masked[end : run.start]
+        before = (before + masked[end : run.start])[-_NEAR:]
         yield _place(before)
         before, end = "0" if is_wide else f"{before}0", run.end
 
@@ -259,7 +262,7 @@ def places_of(masked: str, runs: list[Run], wide: list[bool]) -> Iterator[str]:
 def _is_alone(masked: str, runs: list[Run]) -> bool:
     """Tell whether nothing but times and marks stands in front of bytes."""
     ends = [0, *(run.end for run in runs)]
-    return not any(_has_words(_place(masked[end : run.start])) for end, run in zip(ends, runs, strict=False))
+    return not any(_has_words(marks.without(masked[end : run.start])) for end, run in zip(ends, runs, strict=False))
 
 
 def _has_words(text: str) -> bool:

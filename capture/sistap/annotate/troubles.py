@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reports lines that could not be read: the first ones individually, the others as a count. None of them is news in a
-log that has no telegram at all.
+"""Reports lines that could not be read: the first ones individually, the others as a count. In a log that has other
+bytes, but no telegram at all, none of them is news. In a log without bytes, the first tells why.
 """
 
 from __future__ import annotations
@@ -23,6 +23,11 @@ class Troubles:
         self._count += 1
         if self._count <= _SHOWN:
             self._first.append(f"line {number}: {why}")
+
+    @property
+    def first(self) -> str:
+        """The first of them, if there is any."""
+        return self._first[0] if self._first else ""
 
     def end(self) -> None:
         """Report them."""
