@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Chooses how a log writes bytes: by all of the log, not by a line.
+"""Chooses how a log writes bytes: by its first megabyte, not by a line.
 
 Notations, and the places where a few bytes stand, are chosen if they make telegrams with a right checksum: the one test
 that no text passes by chance. A log without such a telegram is read in all plain notations.
@@ -46,7 +46,7 @@ class AnyReader:
         self._framing = framing
         self._kept: deque[LogLine] = deque(maxlen=_LINES)  # the last doubtful lines
         self._tried = len(sample or ())  # lines by which it was chosen before they are read
-        self._doubtful = min(self._tried, _LINES)  # lines that were read without a choice, or have numbers alone
+        self._doubtful = min(self._tried, _LINES)  # lines that were read without a choice, or have numbers only
         self._reader = ChosenReader(ANYTHING)
         self._is_chosen = False
         self._is_alone = True  # nearly all bytes are of damaged telegrams
@@ -66,10 +66,14 @@ class AnyReader:
 
     def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line."""
-        contents = self._reader.contents(line) if self._is_chosen or line.number <= self._tried else None
-        if contents and (contents.pieces or not self._is_chosen or not any(map(str.isdigit, line.text))):
-            return contents
-        return self._reader.contents(line) if self._doubt(line) or not contents else contents
+        if self._is_chosen or line.number <= self._tried:
+            contents = self._reader.contents(line)
+            is_doubtful = self._is_chosen and not contents.pieces and any(map(str.isdigit, line.text))
+            if not is_doubtful or not self._doubt(line):
+                return contents
+        else:
+            self._doubt(line)
+        return self._reader.contents(line)
 
     def _doubt(self, line: LogLine) -> bool:
         """Choose again after one doubtful line, two, four, eight ...; tell whether that changed anything."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How logs write bytes: a table of notations. Which of them a log has is chosen by all of the log (choosing).
+"""How logs write bytes: a table of notations. Which of them a log has is chosen by many lines (choosing).
 
 A notation is numbers, which stand in runs with the same separator between all of them, or text with escapes.
 """
