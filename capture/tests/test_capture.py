@@ -699,7 +699,7 @@ def test_a_wall_clock_that_is_set_is_an_event(
 def test_a_hint_is_an_event(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """Whoever opens the capture later does not see the messages."""
     (said,) = marked_in_silence(FakeClock(), tmp_path / "x.pcapng", duration_s=7)
-    assert said.startswith("nothing received for 5 s. ")
+    assert said.startswith("nothing received for 5 s: ")
     assert capfd.readouterr().err.count("nothing received for 5 s") == 1
 
 
