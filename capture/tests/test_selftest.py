@@ -135,7 +135,7 @@ def test_what_the_port_does_not_take_is_not_awaited(no_pauses: None) -> None:
 
 def test_through_a_pseudo_terminal(no_pauses: None) -> None:
     delays = delay.through_pty(500 * MS)
-    assert len(delays) > 1
+    assert len(delays) > 10
     assert min(delays) > 0
 
 

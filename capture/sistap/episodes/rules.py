@@ -67,7 +67,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "bus_silent": Rule(
             *(_BUS, _ERROR, "Bus silent"),
-            "No character for 3 s, and three times as long as usual; no boot follows. A note: heard too briefly.",
+            "No character for 3 s, and three times as long as usual; no boot follows. A note, if too little was heard.",
             "Look for a master that stopped, or a loose cable.",
             join_s=0,
         ),
@@ -218,7 +218,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "busy": Rule(
             *(_DRIVES, _NOTE, "Busy"),
-            "A station was busy, and the master has to ask again. Look at it: 20, and 0.1 % of all telegrams.",
+            "A station was busy, and the master has to ask again. To look at: 20, and 0.1 % of all telegrams.",
             "Look who else asks this station.",
             filter=_FILTERS["error_reaction"],
         ),
@@ -359,7 +359,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "damaged": Rule(
             *(_LIMITS, _NOTE, "Damaged telegram"),
-            "A wrong checksum, or no whole telegram. Five in a burst, or 20 and 0.1 %: look at it; 1 %: an error.",
+            "A wrong checksum, or no whole telegram. To look at: 5 in a burst, or 20 and 0.1 % of all. Error: 1 %.",
             _LINE,
             filter=_FILTERS["damaged"],
         ),
