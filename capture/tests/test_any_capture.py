@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from commands import run
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_capture import ACCEPT, SET_TRS, SET_TZA
 
@@ -36,6 +36,7 @@ from sistap.wireshark.tshark import Tshark
 START_NS = 1_700_000_000_000_000_000
 EVERY_FLAG = 0x7F
 PATIENCE_S = 1800  # for the many examples of `check` on a busy machine
+FEWER = settings(max_examples=(settings().max_examples + 1) // 2)  # each starts tshark, several times
 MS = 1_000_000
 DAY_NS = 86_400_000 * MS
 
@@ -204,6 +205,7 @@ ANY = pytest.mark.attack(
 
 @ANY
 @pytest.mark.timeout(PATIENCE_S)
+@FEWER
 @given(command=st.sampled_from(COMMANDS), first=captures, second=captures)
 def test_a_command_with_any_capture(command: str, first: Sequence[Made], second: Sequence[Made]) -> None:
     with tempfile.TemporaryDirectory() as name:
@@ -219,6 +221,7 @@ def test_a_command_with_any_capture(command: str, first: Sequence[Made], second:
 
 @ANY
 @pytest.mark.timeout(PATIENCE_S)
+@FEWER
 @given(made=captures)
 def test_a_recorder_with_any_capture(made: Sequence[Made], tshark: Tshark) -> None:
     """What decides what is kept, and passes values on."""
