@@ -181,10 +181,10 @@ def _measure(
     """Return what was measured, the conditions, and the delays in ns. May raise PortError or OSError."""
     duration_ns = int(args.duration * 1e9)
     if sys.platform == "win32":
-        from sistap.line.reader import latency
+        from sistap.line.reader import computer
 
         with _undisturbed():
-            return measurement.MACHINE, measurement.conditions(), latency.through_socket(duration_ns)
+            return measurement.MACHINE, measurement.conditions(), computer.through_socket(duration_ns)
     from sistap.line.reader import delay  # imported here: Windows has no such modules
     from sistap.line.reader.latency import port_conditions
     from sistap.line.reader.opening import open_device

@@ -204,7 +204,7 @@ class WindowsReader:
             return UNCERTAINTY_UNKNOWN, "Windows does not report how exact its times are", (note,)
         bound = latency.bound(self._known, self.name, behind, self.settings)
         if behind.latency_ms <= 1:
-            return bound
+            return bound.ns(self._known.machine_ns), bound.how, bound.notes
         cure = advice("win32").latency_timer.format(name=behind.name or self.name)
         note = f"{self.name}: its latency timer is {behind.latency_ms} ms, so times are up to that late: {cure}"
-        return bound.ns, bound.how, (note, *bound.notes)
+        return bound.ns(self._known.machine_ns), bound.how, (note, *bound.notes)

@@ -8,12 +8,14 @@ import os
 import platform
 from array import array
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
 from sistap.line import measurement, ports, priority
 from sistap.line.measurement import MACHINE, Conditions, Result
 from sistap.line.reader import delay, latency
+from sistap.line.reader.computer import Still
 from sistap.line.reader.contract import STEP_MS
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 
@@ -24,7 +26,7 @@ FTDI = ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=1, serial="A50285
 UNKNOWN = ports.Adapter("CP2102", "cp210x", serial="0001")
 SETTINGS = LineSettings(9600)
 MEASURED_NS = 400_000  # when a capture starts
-MEASURING = latency.measured_latency_ns.__wrapped__  # which remembers nothing
+MEASURING = latency.computer.__wrapped__  # which remembers nothing
 
 
 def result(p999_ns: int = 250_000, place: str = MACHINE, conditions: Conditions = HERE) -> Result:
@@ -36,11 +38,21 @@ def bench(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(platform, "node", lambda: HERE["machine"])
     monkeypatch.setattr(platform, "release", lambda: HERE["kernel"])
     monkeypatch.setattr(priority, "words", lambda: HERE["priority"])
-    monkeypatch.setattr(latency, "measured_latency_ns", lambda: MEASURED_NS)
+    monkeypatch.setattr(latency, "computer", lambda *, at_once=True: Still(MEASURED_NS if at_once else 0))
 
 
-def bound(behind: ports.Adapter, settings: LineSettings = SETTINGS) -> latency.Bound:
-    return latency.bound(latency.known(), "/dev/ttyUSB0", behind, settings)
+class At(NamedTuple):
+    """A bound when the capture starts."""
+
+    ns: int
+    how: str
+    notes: tuple[str, ...]
+
+
+def bound(behind: ports.Adapter, settings: LineSettings = SETTINGS) -> At:
+    known = latency.known()
+    found = latency.bound(known, "/dev/ttyUSB0", behind, settings)
+    return At(found.ns(known.machine_ns), found.how, found.notes)
 
 
 def store_for(behind: ports.Adapter, p999_ns: int, settings: LineSettings = SETTINGS) -> None:
@@ -257,7 +269,7 @@ def test_this_machine_is_measured_for_200_ms_and_the_worst_counts(monkeypatch: p
         return array("q", [7, 9, 8])
 
     monkeypatch.setattr(delay, "through_pty", through_pty)
-    assert MEASURING() == 9
+    assert MEASURING().late_ns == 9
     assert asked == [200_000_000]
 
 
@@ -267,7 +279,7 @@ def test_without_a_pseudo_terminal_nobody_knows(monkeypatch: pytest.MonkeyPatch,
         raise error
 
     monkeypatch.setattr(delay, "through_pty", through_pty)
-    monkeypatch.setattr(latency, "measured_latency_ns", MEASURING)
+    monkeypatch.setattr(latency, "computer", MEASURING)
     how = "uncertainty unknown: there is no pseudo terminal to measure with"
     assert bound(FTDI) == (UNCERTAINTY_UNKNOWN, how, ())
 

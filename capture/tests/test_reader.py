@@ -25,7 +25,19 @@ from real_driver import Driver
 
 from sistap.line import ports
 from sistap.line.clock import STEADY
-from sistap.line.reader import PortError, PortLost, Reader, delay, device, latency, open_reader, opening, several
+from sistap.line.reader import (
+    PortError,
+    PortLost,
+    Reader,
+    computer,
+    delay,
+    device,
+    latency,
+    open_reader,
+    opening,
+    several,
+)
+from sistap.line.reader.computer import Still
 from sistap.line.reader.contract import READ_SIZE
 from sistap.line.reader.device import MarkDecoder, PosixReader
 from sistap.line.reader.tuning import Tuning
@@ -43,7 +55,7 @@ PATIENCE_S = 10  # never waited for unless something is broken
 
 @pytest.fixture(autouse=True)
 def measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(latency, "measured_latency_ns", lambda: LATENCY)
+    monkeypatch.setattr(latency, "computer", lambda **_: Still(LATENCY))
 
 
 class Pty:
@@ -564,7 +576,7 @@ def test_a_change_of_format_at_a_real_port(
     (read,) = collect(source, 1)
     # With a trigger level of 8 the FIFO holds a character for ten character times, those of the new rate.
     # How late this machine was just now is added to it.
-    assert source._latency_ns == 10 * settings.character_ns + LATENCY  # type: ignore[attr-defined]
+    assert source.uncertainty_ns == 10 * settings.character_ns + LATENCY  # type: ignore[attr-defined]
     assert read.uncertainty_ns >= 10 * settings.character_ns + LATENCY
     monkeypatch.undo()
     source.close()
@@ -857,12 +869,11 @@ def test_a_lost_port_is_put_back_too(bus: Pty, tuned: Path) -> None:
 
 def test_measuring_leaves_nothing_open_and_gives_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
+    measured = computer.computer()
+    assert 0 < measured.late_ns < UNCERTAINTY_UNKNOWN
     open_before = len(list(Path("/proc/self/fd").iterdir()))
-    latency.measured_latency_ns.cache_clear()
-    measured = latency.measured_latency_ns()
-    assert 0 < measured < UNCERTAINTY_UNKNOWN
+    assert computer.computer() is measured  # a property of the process, not of a port
     assert len(list(Path("/proc/self/fd").iterdir())) == open_before
-    assert latency.measured_latency_ns() == measured  # a property of the process, not of a port
 
 
 def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -877,9 +888,9 @@ def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monk
 
     monkeypatch.setattr(delay, "_read", interrupted)
     open_before = len(list(Path("/proc/self/fd").iterdir()))
-    latency.measured_latency_ns.cache_clear()
+    computer.computer.cache_clear()
     with pytest.raises(KeyboardInterrupt):
-        latency.measured_latency_ns()
+        computer.computer()
     writers[0].join(PATIENCE_S)
     assert not stumbled
     assert len(list(Path("/proc/self/fd").iterdir())) == open_before
@@ -888,9 +899,9 @@ def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monk
 def test_measuring_takes_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     monkeypatch.setattr(delay, "through_pty", lambda duration_ns: [900, 3_500, 1_500, 100])
-    latency.measured_latency_ns.cache_clear()
-    assert latency.measured_latency_ns() == 3_500
-    latency.measured_latency_ns.cache_clear()
+    computer.computer.cache_clear()
+    assert computer.computer().late_ns == 3_500
+    computer.computer.cache_clear()
 
 
 # -- Ports that cannot be opened ---------------------------------------------------------------------------------------

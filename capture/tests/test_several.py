@@ -24,6 +24,7 @@ from pcapng.blocks import InterfaceDescription, InterfaceStatistics
 from specification import TELEGRAMS
 
 from sistap.line.reader import PortLost, Reader, device, latency, open_reader, several, together
+from sistap.line.reader.computer import Still
 from sistap.line.reader.several import PolledReaders, ThreadedReaders
 from sistap.line.settings import LineSettings, Read
 from sistap.records.record import Event, Type
@@ -72,7 +73,7 @@ def lines() -> Iterator[tuple[Line, Line]]:
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., list[Reader]]]:
-    monkeypatch.setattr(latency, "measured_latency_ns", lambda: LATENCY)
+    monkeypatch.setattr(latency, "computer", lambda **_: Still(LATENCY))
     readers: list[Reader] = []
 
     def open_both(*ports: str) -> list[Reader]:

@@ -29,7 +29,7 @@ from sistap.capture.filter import FilterError, candidates, opened
 from sistap.files.output import Output, ReaderGone
 from sistap.install import shell, userpath
 from sistap.line import measurement, ports
-from sistap.line.reader import PortError, PortLost, latency, open_reader
+from sistap.line.reader import PortError, PortLost, computer, open_reader
 from sistap.line.settings import LineSettings
 from sistap.terminal import programs, state
 from sistap.terminal.advice import shell_word
@@ -216,7 +216,7 @@ def test_the_libpcap_of_windows_is_that_of_npcap(monkeypatch: pytest.MonkeyPatch
 
 @pytest.mark.usefixtures("windows")
 def test_a_self_test_is_through_a_socket(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(latency, "through_socket", lambda duration_ns: array("q", range(1000, 3000)))
+    monkeypatch.setattr(computer, "through_socket", lambda duration_ns: array("q", range(1000, 3000)))
     assert cli.main(["selftest", "--duration", "1"]) == 0
     (result,) = measurement.load()[0]
     assert (result.place, result.characters, result.longest_ns) == (measurement.MACHINE, 2000, 2999)

@@ -11,7 +11,8 @@ import pytest
 from sistap import windows
 from sistap.line import measurement
 from sistap.line.ports import Adapter
-from sistap.line.reader import PortError, PortLost, latency
+from sistap.line.reader import PortError, PortLost, computer, latency
+from sistap.line.reader.computer import Still
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
 from sistap.windows import CommPort, flags
 
@@ -116,7 +117,7 @@ class Device:
 def device(monkeypatch: pytest.MonkeyPatch) -> Device:
     port = Device()
     monkeypatch.setattr(windows, "closed_serial", lambda *_: port)
-    monkeypatch.setattr(latency, "measured_latency_ns", lambda: MACHINE_NS)
+    monkeypatch.setattr(latency, "computer", lambda *, at_once=True: Still(MACHINE_NS if at_once else 0))
     return port
 
 
@@ -286,11 +287,12 @@ def test_a_port_that_cannot_be_opened(device: Device, monkeypatch: pytest.Monkey
 
 
 def test_the_machine_is_measured_through_a_socket() -> None:
-    measured = (latency.through_socket(50 * MS) for _ in range(100))  # a busy machine may sleep for longer than that
+    measured = (computer.through_socket(50 * MS) for _ in range(100))  # a busy machine may sleep for longer than that
     delays = next(delays for delays in measured if len(delays) > 10)
     assert min(delays) > 0
 
 
 def test_a_self_test_takes_the_place_of_measuring() -> None:
     measurement.store(measurement.Result("machine", "2026-11-20", 5000, 250_000, 3 * MS, measurement.conditions()))
-    assert latency.bound(latency.known(), "COM5", FTDI, SETTINGS).ns == 16 * MS + 250_000
+    known = latency.known()
+    assert latency.bound(known, "COM5", FTDI, SETTINGS).ns(known.machine_ns) == 16 * MS + 250_000

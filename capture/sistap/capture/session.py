@@ -9,11 +9,12 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 
 import sistap
+from sistap.capture.hints import Exactness
 from sistap.capture.rate import FORMATS, Steering, Step
 from sistap.capture.tap import EVERYTHING, Conditions, Sink, Tap
 from sistap.files.output import Output, OutputError, ReaderGone
 from sistap.line.clock import monotonic_ns
-from sistap.line.reader import Distant, Measuring, PortError, PortLost, Reader, Several, Source, together
+from sistap.line.reader import Distant, Exact, Measuring, PortError, PortLost, Reader, Several, Source, together
 from sistap.line.settings import Happening, LineSettings, Notice, Read
 from sistap.records.counters import Counters
 from sistap.records.cut import SIS
@@ -71,6 +72,7 @@ class Capture:
         self._reopen = reopen
         self._lost: dict[Reader, int] = {}  # they may come back; the time of each loss
         self._tap = Tap(readers, sink, counters, clock_ns, conditions)
+        self._exactness: dict[Reader, Exactness] = {}
         self._steering = self._steering_of(readers[0].settings)
         self._steps: list[Step] = []  # not done yet
         # the reason for new settings; without another reason the tap has changed them
@@ -333,6 +335,10 @@ class Capture:
         for reader in self._readers:
             for hint in self._tap.hints(reader, elapsed_s, searching):
                 self._advise(reader, hint)
+            if isinstance(reader, Exact):
+                exactness = self._exactness.setdefault(reader, Exactness(reader.name, reader.uncertainty_ns))
+                if changed := exactness.look(reader.uncertainty_ns, elapsed_s):
+                    self._advise(reader, changed)
         if self._readers and self._steering and (doubt := self._steering.take_hint()):
             self._advise(self._readers[0], doubt)
         if self._progress:

@@ -21,6 +21,7 @@ from sistap.imports import ftdi
 from sistap.line.clock import CLOCK
 from sistap.line.ports import Adapter
 from sistap.line.reader import PortLost, latency
+from sistap.line.reader.computer import Still
 from sistap.line.reader.latency import Known
 from sistap.line.settings import Flag, Happening, LineSettings, Notice, Read
 from sistap.records.counters import Counters
@@ -111,25 +112,26 @@ class WebReader:
         self.settings = settings
         self._behind = Adapter(name, "", FTDI_MS) if vendor in ftdi.VENDORS else Adapter(name)
         self.adapter = str(self._behind)
-        self._set_bound(late_ns)
-        bound = self._bound
+        _, bound = self._bound(late_ns)
         self.timing = f"{bound.how}; times of the browser, in steps of 0.1 ms"
         self.notes = bound.notes
         self._reads: deque[Read] = deque()
         self._lost = ""
 
-    def _set_bound(self, late_ns: int) -> None:
-        known = Known(late_ns + BROWSER_NS, "measured in the page, with 5 ms for the browser", [])
-        self._bound = latency.bound(known, self.name, self._behind, self.settings)
+    def _bound(self, late_ns: int) -> tuple[int, latency.Bound]:
+        """Return how late a character can be seen in ns, and how that comes about."""
+        known = Known(Still(late_ns + BROWSER_NS), "measured in the page, with 5 ms for the browser", [])
+        bound = latency.bound(known, self.name, self._behind, self.settings)
+        return bound.ns(known.machine_ns), bound
 
     def hear(self, chunk: dict[str, Any]) -> None:
         """Take what the page has read: see `Listening.hear`."""
-        self._set_bound(int(chunk["late_ms"] * _MS))
+        late_ns, _ = self._bound(int(chunk["late_ms"] * _MS))
         data = bytes(chunk["data"])
         settings = LineSettings.parse(chunk["baud"], chunk["format"])
         unseen_ns = int(chunk["unseen_ms"] * _MS)
         uncertainty_ns = latency.uncertainty_ns(
-            self._bound.ns, settings, len(data), unseen_ns, in_time=unseen_ns <= _SLEEP_NS, sleep_ns=_SLEEP_NS
+            late_ns, settings, len(data), unseen_ns, in_time=unseen_ns <= _SLEEP_NS, sleep_ns=_SLEEP_NS
         )
         flags = bytes([Flag.UNLOCATED_ERROR if chunk["error"] else 0]) * len(data)
         if chunk["lost"] and data:

@@ -10,11 +10,22 @@ from __future__ import annotations
 import importlib
 import sys
 
-from sistap.line.reader.contract import Distant, Measuring, OwnTime, PortError, PortLost, Reader, needs_rate
+from sistap.line.reader.contract import Distant, Exact, Measuring, OwnTime, PortError, PortLost, Reader, needs_rate
 from sistap.line.reader.several import Several, Source, together
 from sistap.line.settings import LineSettings
 
-__all__ = ["Distant", "Measuring", "OwnTime", "PortError", "PortLost", "Reader", "Several", "Source", "together"]
+__all__ = [
+    "Distant",
+    "Exact",
+    "Measuring",
+    "OwnTime",
+    "PortError",
+    "PortLost",
+    "Reader",
+    "Several",
+    "Source",
+    "together",
+]
 
 
 # Rooms that bring readers of other ports, each with an `open_reader`.

@@ -73,3 +73,12 @@ class Measuring(Protocol):
 
     def measured_baud(self) -> float | None:
         """Return the measured rate of the line in Bd; None: too little was heard."""
+
+
+@runtime_checkable
+class Exact(Protocol):
+    """A reader that knows how late characters may be seen."""
+
+    @property
+    def uncertainty_ns(self) -> int:
+        """Return the bound that holds now, in ns."""

@@ -13,10 +13,11 @@ from functools import partial
 from sistap.line import others, ports, priority
 from sistap.line.clock import CLOCK, monotonic_ns
 from sistap.line.reader import latency
+from sistap.line.reader.computer import Computer
 from sistap.line.reader.contract import READ_SIZE, PortLost
 from sistap.line.reader.errors import Counts, Errors
 from sistap.line.reader.opening import change_device, open_device, true_rate
-from sistap.line.reader.several import PolledReaders
+from sistap.line.reader.several import Polled, PolledReaders
 from sistap.line.reader.trouble import lost_text
 from sistap.line.reader.tuning import Tuning
 from sistap.line.settings import Flag, LineSettings, Read
@@ -51,8 +52,7 @@ class PosixReader:
         termios.tcflush(self._fd, termios.TCIFLUSH)  # tuning may clear a FIFO: a gap without a flag
         self._behind = ports.adapter(port)  # after tuning
         self.adapter = str(self._behind)
-        bound = latency.bound(self._known, port, self._behind, settings)
-        self._latency_ns = bound.ns
+        bound = self._bound = latency.bound(self._known, port, self._behind, settings)
         rate = true_rate(self._fd, port, settings)
         rates = [f"the port really runs at {rate} Bd"] if rate != settings.baud else []
         tells = self._behind.tells
@@ -68,6 +68,17 @@ class PosixReader:
         """Return what arrived; None if nothing arrived in that time. May raise PortLost."""
         self._alone = self._alone or PolledReaders([self])
         return self._alone.read(timeout_s)
+
+    @property
+    def beside(self) -> Polled | None:
+        """Return what is polled together with this port, to know how late it is read."""
+        computer = self._known.computer
+        return computer if isinstance(computer, Computer) else None
+
+    @property
+    def uncertainty_ns(self) -> int:
+        """Return how late a character can be seen, as far as is known now."""
+        return self._bound.ns(self._known.machine_ns)
 
     def fileno(self) -> int:
         """Return the descriptor, for a caller that polls several ports and then calls take() and nothing_until()."""
@@ -103,7 +114,7 @@ class PosixReader:
         if not data:
             if held := self.held():
                 return held  # the next read finds the port lost again
-            raise PortLost(self._lost)
+            raise PortLost(self._lost, self.line)
         decoder = self._decoder
         # A worker of the kernel passes characters on. A busy process can keep the processor from it. So what comes at
         # once when this process sleeps may have come before. And if characters come without a sleep, the worker has had
@@ -113,7 +124,7 @@ class PosixReader:
             self._emptied_ns = asked_ns - slept_ns
         characters, flags = decoder.feed(data)
         uncertainty_ns = latency.uncertainty_ns(
-            self._latency_ns, self.settings, len(characters), now - self._emptied_ns, in_time=in_time
+            self.uncertainty_ns, self.settings, len(characters), now - self._emptied_ns, in_time=in_time
         )
         if not decoder.pending and len(data) < READ_SIZE:
             self._emptied_ns = asked_ns if slept_ns else self._asked_ns
@@ -127,7 +138,7 @@ class PosixReader:
         """Read with other settings from now on. PortError if the port does not support them."""
         change_device(self._serial, settings, self._behind.pseudo_terminal)
         self.settings = settings
-        self._latency_ns = latency.bound(self._known, self.name, self._behind, settings).ns
+        self._bound = latency.bound(self._known, self.name, self._behind, settings)
 
     def close(self) -> None:
         """Restore the settings of the port and release it."""

@@ -35,9 +35,8 @@ class Source(Protocol):
         """Return what arrived; None if nothing arrived in that time. May raise PortLost, once for each port."""
 
 
-@runtime_checkable
-class Pollable(Reader, Protocol):
-    """A reader that a caller can poll."""
+class Polled(Protocol):
+    """What a caller can poll."""
 
     def fileno(self) -> int:
         """Return the descriptor to poll."""
@@ -53,6 +52,15 @@ class Pollable(Reader, Protocol):
 
     def held(self) -> list[Read]:
         """Stop holding characters back: return them."""
+
+
+@runtime_checkable
+class Pollable(Polled, Reader, Protocol):
+    """A reader that a caller can poll."""
+
+    @property
+    def beside(self) -> Polled | None:
+        """Return what is polled together with this reader, and before it."""
 
 
 @runtime_checkable
@@ -86,7 +94,7 @@ class PolledReaders:
     """Readers polled by one thread."""
 
     def __init__(self, readers: Sequence[Pollable]) -> None:
-        self._readers: dict[int, Pollable] = {}
+        self._readers: dict[int, Polled] = {}
         self._poll = select.poll()
         for reader in readers:
             self.add(reader)
@@ -96,11 +104,12 @@ class PolledReaders:
     def add(self, reader: Reader) -> None:
         """Add a reader, which must be Pollable."""
         assert isinstance(reader, Pollable)
-        self._readers[reader.fileno()] = reader
-        self._poll.register(reader.fileno(), _TO_READ)
+        for polled in filter(None, (reader.beside, reader)):  # poll returns them in this order
+            self._readers[polled.fileno()] = polled
+            self._poll.register(polled.fileno(), _TO_READ)
 
     def read(self, timeout_s: float) -> Read | None:
-        """Return what arrived; None if nothing arrived in that time. May raise PortLost, once for each port."""
+        """Return what arrived; None if nothing arrived, at most that long. May raise PortLost, once for each port."""
         if not self._reads and not self._lost:
             self._wait(timeout_s)
         if not self._reads and not timeout_s:
@@ -118,8 +127,6 @@ class PolledReaders:
                 return
             step_ms = min(STEP_MS, left_ms)
             left_ms -= step_ms
-        if step_ms and len(self._readers) > 1:
-            self._look(0, has_slept=True)  # note until when the others were silent
 
     def _look(self, step_ms: float, *, has_slept: bool = False) -> bool:
         """Take what comes within the step; tell whether anything did. `has_slept`: the process has, just before."""
@@ -127,19 +134,21 @@ class PolledReaders:
         ready = [descriptor for descriptor, _ in self._poll.poll(step_ms)]
         slept_ns = max(monotonic_ns() - asked_ns, 1) if step_ms else 0
         for descriptor in ready:  # before anything else: it gets its time here
-            self._take(descriptor, self._readers[descriptor], slept_ns)
+            self._take(descriptor, slept_ns)
         silent_ns = asked_ns if ready else asked_ns + int(step_ms * 1e6)  # poll looks once more when its time is up
         for descriptor in self._readers.keys() - ready:
             self._reads.extend(self._readers[descriptor].nothing_until(silent_ns, slept_ns or int(has_slept)))
+        if slept_ns and ready and len(self._readers) > 1:
+            self._look(0, has_slept=True)  # note until when the others were silent
         return bool(self._reads or self._lost)
 
-    def _take(self, descriptor: int, reader: Pollable, slept_ns: int) -> None:
+    def _take(self, descriptor: int, slept_ns: int) -> None:
         try:
-            self._reads.extend(reader.read_now(slept_ns))
+            self._reads.extend(self._readers[descriptor].read_now(slept_ns))
         except PortLost as lost:
             self._poll.unregister(descriptor)
             del self._readers[descriptor]
-            self._lost.append(PortLost(str(lost), reader.line))
+            self._lost.append(lost)
 
 
 class ThreadedReaders:
