@@ -526,6 +526,35 @@ def test_a_port_that_does_not_open_leaves_the_old_file(
     assert capfd.readouterr().err == "sistap: /dev/x does not exist: try another\n"
 
 
+@pytest.mark.parametrize(
+    ("options", "code", "says"),
+    [
+        ([], 3, "/dev/x does not exist: try another"),
+        (["-f", "link[5] ="], 2, "filter 'link[5] ='"),
+        (["--tza", "2", "--framing", "ascii"], 2, "--tza and --trs are kept only with SIS"),
+    ],
+)
+def test_whoever_reads_the_pipe_learns_why_there_is_no_capture(
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capfdbinary: pytest.CaptureFixture[bytes],
+    options: list[str],
+    code: int,
+    says: str,
+) -> None:
+    def open_reader(port: str, settings: LineSettings, line: int) -> FakeReader:
+        raise PortError(f"{port} does not exist: try another")
+
+    monkeypatch.setattr(capture_ports, "open_reader", open_reader)
+    assert cli.main(["capture", "-i", "/dev/x", "-w", "-", *options]) == code
+    out, err = capfdbinary.readouterr()
+    path = tmp_path / "x"
+    path.write_bytes(out)
+    (told,) = records(path)
+    assert told.event == Event.MARKER and says in told.data.decode()
+    assert err.decode() == f"sistap: {told.data.decode()}\n"
+
+
 def test_an_older_capture_is_overwritten_only_by_force(
     run: Run, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

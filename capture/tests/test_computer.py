@@ -136,8 +136,9 @@ def test_what_changes_much_is_told() -> None:
     assert exactness.look(400_000, 11) == (
         "/dev/ttyUSB0: uncertainty 0.40 ms now, 28.00 ms before: this computer is less busy"
     )
-    assert exactness.look(1_200_000, 30) == ""  # three times as much, but no millisecond
-    assert exactness.look(1_500_000, 31) == (
+    assert exactness.look(1_200_000, 40) == ""  # three times as much, but no millisecond
+    assert exactness.look(1_500_000, 30.9) == ""  # twenty seconds have not passed
+    assert exactness.look(1_500_000, 41) == (
         "/dev/ttyUSB0: uncertainty 1.50 ms now, 0.40 ms before: this computer is busier"
     )
-    assert exactness.look(30 * MS, 40.9) == ""
+    assert exactness.look(30 * MS, 80.9) == ""  # forty seconds

@@ -380,11 +380,11 @@ def test_a_reader_that_leaves_ends_it_without_a_word(demo: Wireshark) -> None:
         ("sistap-demo", ["--format", "9Z9"], 2, "format '9Z9'"),
     ],
 )
-def test_what_cannot_be_captured_is_said_in_one_line_with_an_empty_capture(
+def test_what_cannot_be_captured_is_said_in_one_line_and_in_the_capture(
     tmp_path: Path, started: list[Wireshark], interface: str, options: list[str], code: int, says: str
 ) -> None:
     started.append(wireshark := Wireshark(tmp_path, interface, *options, toolbar=False))
-    assert [kind for kind, _ in wireshark.blocks()] == [SECTION, INTERFACE]
+    assert says in wireshark.event(Event.MARKER).data.decode()
     ended, errors = wireshark.ended()
     assert ended == code
     assert errors.startswith("sistap: ") and errors.count("\n") == 1

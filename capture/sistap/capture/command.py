@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from contextlib import closing
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -14,10 +14,11 @@ from sistap.capture.options import BOTH_LINES, CaptureOptions, checked, rate
 from sistap.files.output import Output, OutputRefused
 from sistap.files.pcapng import LINK_TYPES, UPPER_PDU
 from sistap.line import ports
+from sistap.line.reader import PortError
 from sistap.records.cut import HELP, SIS, WORDS, Cut
 from sistap.sis.limits import milliseconds
 from sistap.terminal.advice import advice
-from sistap.terminal.console import Console
+from sistap.terminal.console import STANDARD_OUTPUT, Console
 from sistap.terminal.exits import USAGE, UsageError, argument
 from sistap.terminal.stop import Stop
 from sistap.terminal.writing import FORCE
@@ -228,10 +229,25 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
 
     def work() -> int:
-        options = replace(options_of(args, args.file), link_type=args.link_type)
-        return started(options, console, force=args.force)
+        with _told_in_pipe(args.file):
+            options = replace(options_of(args, args.file), link_type=args.link_type)
+            return started(options, console, force=args.force)
 
     return refusing(console, work)
+
+
+@contextmanager
+def _told_in_pipe(file: str | None) -> Iterator[None]:
+    """Tell whoever reads standard output why there is no capture, too."""
+    try:
+        yield
+    except (PortError, UsageError, FilterError) as error:
+        if file == STANDARD_OUTPUT:
+            from sistap.capture.running import begin_in_vain
+
+            with suppress(OutputRefused), closing(Output(file)) as output:
+                begin_in_vain(output, "sistap", str(error))
+        raise
 
 
 def refusing(console: Console, work: Callable[[], int]) -> int:

@@ -106,26 +106,29 @@ class Hints:
 class Exactness:
     """Says when the times of a port have become much more or less exact."""
 
-    PATIENCE_S = 10  # between two of its sentences
+    PATIENCE_S = 10.0  # until its first sentence; then twice as long each time, for a computer that is never quiet
     LEAST_NS = 1_000_000  # a smaller change decides no verdict
 
     def __init__(self, name: str, uncertainty_ns: int) -> None:
         """Begin with what holds when the capture starts."""
         self._name = name
         self._said_ns = uncertainty_ns
-        self._said_s = 0.0
+        self._patience_s = self.PATIENCE_S
+        self._due_s = self._patience_s
 
     def look(self, uncertainty_ns: int, elapsed_s: float) -> str:
         """Return what is new, with the bound that holds now; "" if it is about the same, or was said just before."""
         small, large = sorted((uncertainty_ns, self._said_ns))
-        if elapsed_s < self._said_s + self.PATIENCE_S or large < 2 * small or large - small < self.LEAST_NS:
+        if elapsed_s < self._due_s or large < 2 * small or large - small < self.LEAST_NS:
             return ""
         busy = "busier" if uncertainty_ns == large else "less busy"
         text = (
             f"{self._name}: uncertainty {uncertainty_ns / 1e6:.2f} ms now, {self._said_ns / 1e6:.2f} ms before: "
             f"this computer is {busy}"
         )
-        self._said_ns, self._said_s = uncertainty_ns, elapsed_s
+        self._said_ns = uncertainty_ns
+        self._patience_s *= 2
+        self._due_s = elapsed_s + self._patience_s
         return text
 
 

@@ -5,21 +5,22 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, suppress
 from typing import Protocol
 
 from sistap.capture.filter import Filter
 from sistap.capture.options import CaptureOptions, Plan
 from sistap.capture.session import Capture
 from sistap.capture.tap import Conditions, Sink
-from sistap.files.output import Output
-from sistap.files.pcapng import LINK_TYPES, Interface
+from sistap.files.output import Output, OutputError
+from sistap.files.pcapng import LINK_TYPES, UPPER_PDU, Interface
 from sistap.files.writer import PcapngWriter
 from sistap.line import drivers, priority
+from sistap.line.clock import CLOCK
 from sistap.line.reader import Distant, PortError, Reader, open_reader
 from sistap.line.settings import LineSettings
 from sistap.records.counters import Counters
-from sistap.records.record import Record
+from sistap.records.record import Event, Record, event
 from sistap.terminal.console import Audience
 from sistap.terminal.stop import Stop
 
@@ -162,6 +163,15 @@ def record(  # noqa: PLR0913 - it puts the parts together
     if options.file or not options.quiet:
         console.say(sink.summary(counters))
     return code
+
+
+def begin_in_vain(output: Output, name: str, why: str) -> None:
+    """Write a capture that only says why there is none: Wireshark would blame the pipe."""
+    interface = Interface(LINK_TYPES[UPPER_PDU], name)
+    with suppress(OutputError):  # Wireshark may be gone
+        PcapngWriter(output, {0: interface}, Counters()).begin(
+            event(CLOCK.now_ns(), 0, LineSettings(baud=0), Event.MARKER, why)
+        )
 
 
 def conditions(options: CaptureOptions, only: Filter | None) -> Conditions:

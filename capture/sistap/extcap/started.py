@@ -5,22 +5,19 @@ from __future__ import annotations
 
 import argparse
 import io
-from contextlib import closing, redirect_stdout, suppress
+from contextlib import closing, redirect_stdout
 from urllib.parse import urlencode
 
 from sistap import selftest
 from sistap.analyser import probe
 from sistap.capture.filter import FilterError
 from sistap.capture.options import CaptureOptions, checked, rate
-from sistap.capture.running import record
+from sistap.capture.running import begin_in_vain, record
 from sistap.extcap import demo, dialog
 from sistap.extcap.interfaces import ANALYSER, DEMO, DISTANT, port_of
 from sistap.extcap.toolbar import Toolbar
-from sistap.files.output import Output, OutputError, OutputRefused
-from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.files.writer import PcapngWriter
+from sistap.files.output import Output, OutputRefused
 from sistap.line.reader import PortError
-from sistap.records.counters import Counters
 from sistap.records.cut import Cut
 from sistap.sis.limits import milliseconds
 from sistap.sis.rates import RATES
@@ -48,10 +45,7 @@ def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
         except PortError as error:
             code, trouble = PORT, str(error)
         toolbar.alarm(trouble)
-        # Write an empty capture: otherwise Wireshark blames the pipe.
-        interface = Interface(LINKTYPE_WIRESHARK_UPPER_PDU, args.extcap_interface)
-        with suppress(OutputError):  # Wireshark may be gone
-            PcapngWriter(output, {0: interface}, Counters()).begin()
+        begin_in_vain(output, args.extcap_interface, trouble)
         return code
 
 
