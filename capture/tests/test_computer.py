@@ -14,8 +14,8 @@ from collections.abc import Iterator
 import pytest
 
 from sistap.capture.hints import Exactness
-from sistap.line.reader import computer, latency, open_reader
-from sistap.line.reader.computer import Computer
+from sistap.line.reader import delay, latency, open_reader
+from sistap.line.reader.delay import Computer
 from sistap.line.reader.device import PosixReader
 from sistap.line.settings import LineSettings, Read
 
@@ -30,8 +30,8 @@ SETTINGS = LineSettings(115200)
 @pytest.fixture(autouse=True)
 def often(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the last characters be few and soon sent."""
-    monkeypatch.setattr(computer, "KEPT", 20)
-    monkeypatch.setattr(computer, "_PAUSES_S", (0.0005, 0.001))
+    monkeypatch.setattr(delay, "KEPT", 20)
+    monkeypatch.setattr(delay, "_PAUSES_S", (0.0005, 0.001))
 
 
 @pytest.fixture
@@ -121,7 +121,7 @@ def waiting(measured: Computer) -> int:
 
 
 def test_one_in_a_thousand_may_be_later(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(computer, "KEPT", 1000)
+    monkeypatch.setattr(delay, "KEPT", 1000)
     assert Computer([5 * MS, *[MS] * 998]).late_ns == 5 * MS
     assert Computer([5 * MS, *[MS] * 999]).late_ns == MS
     assert Computer([5 * MS, 5 * MS, *[MS] * 998]).late_ns == 5 * MS

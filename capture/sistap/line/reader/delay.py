@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Measures how late this program sees characters that it sends itself, through a pseudo terminal or a port."""
+"""How late this program sees characters that it sends itself, through a pseudo terminal or a port.
+
+`through` measures for a while; a Computer measures as long as it is polled.
+"""
 
 from __future__ import annotations
 
@@ -12,15 +15,22 @@ import threading
 import time
 import tty
 from array import array
+from bisect import bisect_left, insort
+from collections import deque
+from collections.abc import Iterable
 from contextlib import suppress
 
 from sistap.line.clock import monotonic_ns
 from sistap.line.reader.contract import READ_SIZE
+from sistap.line.settings import Read
 
 if sys.platform == "win32":
     raise ImportError("Windows has no pseudo terminals")
 
 PATIENCE_NS = 1_000_000_000  # longest time for a character to come back
+
+KEPT = 1000  # delays of a Computer, of about ten seconds
+_PAUSES_S = (0.005, 0.015)  # at random, so that no rhythm of the computer can match
 
 # the characters sent: never FF, which a port would escape, and never a start character of SIS
 _FIRST, _VALUES = ord("@"), 63
@@ -93,3 +103,64 @@ def _read(reading: int, written: array[int], writer: threading.Thread) -> array[
 def _characters(start: int, count: int) -> bytes:
     """Return the characters sent from number `start` on."""
     return bytes(_FIRST + number % _VALUES for number in range(start, start + count))
+
+
+class Computer:
+    """Sends characters to itself and sees them as late as those of a port: whoever polls ports polls this, too.
+
+    Its bound is p99.9 of the last KEPT characters, or the delay of the very last one, if that is longer.
+    """
+
+    def __init__(self, delays: Iterable[int]) -> None:
+        """Begin with delays in ns that were measured before. OSError without a pseudo terminal."""
+        self._master, self._slave = pty.openpty()
+        tty.setraw(self._slave)
+        os.set_blocking(self._slave, False)
+        self._delays = deque(delays, KEPT)
+        self._ordered = sorted(self._delays)
+        self._last_ns = 0
+        self._sent_ns = 0  # when the character was sent that nobody has seen; 0: there is none
+        threading.Thread(target=self._send, daemon=True).start()
+
+    @property
+    def late_ns(self) -> int:
+        """Return the bound that holds now, in ns."""
+        count = (len(self._ordered) * 999 + 999) // 1000  # all of less than a thousand
+        return max(self._ordered[count - 1] if count else 0, self._last_ns)
+
+    def fileno(self) -> int:
+        """Return the descriptor to poll."""
+        return self._slave
+
+    def read_now(self, slept_ns: int) -> list[Read]:
+        """Note how late a character is seen, if the process slept until it came."""
+        with suppress(BlockingIOError):  # several threads may poll
+            os.read(self._slave, READ_SIZE)
+            if slept_ns:
+                self._note(monotonic_ns() - self._sent_ns)
+            self._sent_ns = 0
+        return []
+
+    def nothing_until(self, _time_ns: int, _slept_ns: int) -> list[Read]:
+        """Do nothing: no character came."""
+        return []
+
+    def held(self) -> list[Read]:
+        """Return nothing: no character is for others."""
+        return []
+
+    def _note(self, delay_ns: int) -> None:
+        if len(self._delays) == KEPT:
+            del self._ordered[bisect_left(self._ordered, self._delays[0])]
+        self._delays.append(delay_ns)
+        insort(self._ordered, delay_ns)
+        self._last_ns = delay_ns
+
+    def _send(self) -> None:
+        """Send a character now and then, one at a time: if nobody polls, nothing piles up."""
+        source = random.Random()  # of its own: a program may seed the common one
+        while True:
+            time.sleep(source.uniform(*_PAUSES_S))
+            if not self._sent_ns:
+                self._sent_ns = monotonic_ns()
+                os.write(self._master, b"@")

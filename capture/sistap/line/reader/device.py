@@ -13,8 +13,8 @@ from functools import partial
 from sistap.line import others, ports, priority
 from sistap.line.clock import CLOCK, monotonic_ns
 from sistap.line.reader import latency
-from sistap.line.reader.computer import Computer
 from sistap.line.reader.contract import READ_SIZE, PortLost
+from sistap.line.reader.delay import Computer
 from sistap.line.reader.errors import Counts, Errors
 from sistap.line.reader.opening import change_device, open_device, true_rate
 from sistap.line.reader.several import Polled, PolledReaders
