@@ -8860,7 +8860,7 @@ do
 
   if gui_enabled() then
     for _, name in ipairs(ORDER) do
-      register_menu("SIS/" .. kinds[name].title, open_window(kinds[name]), MENU_STAT_UNSORTED)
+      register_menu((gsub(kinds[name].title, " ", "/", 1)), open_window(kinds[name]), MENU_STAT_UNSORTED) -- below SIS
     end
   end
 end

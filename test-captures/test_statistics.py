@@ -54,7 +54,7 @@ def statistics(tshark: Tshark) -> dict[str, str]:
     """Return each table by its name, from one run of tshark."""
     wanted = [word for name in TITLES for word in ("-z", name)]
     printed = tshark.output("-q", *wanted, "-r", str(CAPTURE))
-    parts = re.split(rf"^({'|'.join(map(re.escape, TITLES.values()))})\n", printed, flags=re.MULTILINE)
+    parts = re.split(rf"^(?:SIS / )?({'|'.join(map(re.escape, TITLES.values()))})\n", printed, flags=re.MULTILINE)
     by_title = dict(zip(parts[1::2], parts[2::2], strict=True))
     return {name: by_title[title] for name, title in TITLES.items()}
 
