@@ -8458,10 +8458,11 @@ do
     local at, bin = times.first + character, 1
 
     if band(T.flags_of(times.record, at), NOT_MEASURED) ~= 0 then return end
-    if is_same_read(times, character - 1) or is_same_read(times, character) or is_same_read(times, character + 1) then
+    if is_same_read(times, character) then
       row.one_read = row.one_read + 1
       return
     end
+    if is_same_read(times, character - 1) or is_same_read(times, character + 1) then return end
     local ns = T.interval_of(times.record, at)
     local bucket = bucket_of(ns)
 
