@@ -20,7 +20,7 @@ FILE = "capture/pictures/live.gif"
 SECONDS, FILTER_AT, SIZE = 20, 12, (1200, 480)
 MOST_BYTES = 2_000_000
 FILTER = ("key ctrl+slash", "type --delay 40 sis.tza.verdict==1", "key Return")
-LIVE = take.Picture(FILE, f"-k -i {take.DEMO_BUS} -o {take.LIVE_FAULTS}", "^Capturing from", *SIZE)
+LIVE = take.Picture(FILE, f"-k -i {take.DEMO_BUS}", "^Capturing from", *SIZE)
 
 
 def frames(user: User, screen: Screen, folder: Path) -> None:
