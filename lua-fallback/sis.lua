@@ -4032,11 +4032,16 @@ do
     body.status = status
     body.status_text = text
     add_code(body, F.status, 1, status, text, 2)
-    if status ~= 0 then
-      local kind = status < 0xF0 and E.status_execution_error or E.status_telegram_error
+    body.status_item = body.item or body.root
+  end
 
-      add_expert(body.item or body.root, kind, "Status: " .. text)
-    end
+  -- An error code says more, and is an item of its own.
+  local function mark_status(body)
+    if body.status == 0 or body.is_explained then return end
+    local kind = body.status < 0xF0 and E.status_execution_error or E.status_telegram_error
+
+    add_expert(body.status_item, kind, "Status: " .. body.status_text)
+    body.marks = body.marks .. "  [status: " .. body.status_text .. "]"
   end
 
   local function is_product_group(service)
@@ -4084,9 +4089,7 @@ do
     if not body.is_short and (body.status < 0xF0 or body.end_ > body.offset) then
       (dissect or dissect_undocumented)(body)
     end
-    if body.status ~= 0 and not body.is_explained then -- an error code says more
-      body.marks = body.marks .. "  [status: " .. body.status_text .. "]"
-    end
+    mark_status(body)
     show_leftover(body)
     S.sequence_watch(body)
   end
@@ -4530,7 +4533,10 @@ do
     local service = S.take(list, F.service, 1)
 
     if not service then return end
-    if length > there and not list.is_cut then S.mark(list, E.body_missing, "an element is cut") end
+    if length > there and not list.is_cut then
+      S.mark(list, E.body_missing, "an element is cut")
+      list.is_cut = true -- so its missing field has no note
+    end
     if service == LIST_SERVICE then
       show_recursion(list, number, there, commands)
     else
@@ -8452,10 +8458,11 @@ do
     local at, bin = times.first + character, 1
 
     if band(T.flags_of(times.record, at), NOT_MEASURED) ~= 0 then return end
-    if is_same_read(times, character - 1) or is_same_read(times, character) or is_same_read(times, character + 1) then
+    if is_same_read(times, character) then
       row.one_read = row.one_read + 1
       return
     end
+    if is_same_read(times, character - 1) or is_same_read(times, character + 1) then return end
     local ns = T.interval_of(times.record, at)
     local bucket = bucket_of(ns)
 
@@ -8854,7 +8861,7 @@ do
 
   if gui_enabled() then
     for _, name in ipairs(ORDER) do
-      register_menu("SIS/" .. kinds[name].title, open_window(kinds[name]), MENU_STAT_UNSORTED)
+      register_menu((gsub(kinds[name].title, " ", "/", 1)), open_window(kinds[name]), MENU_STAT_UNSORTED) -- below SIS
     end
   end
 end

@@ -31,7 +31,7 @@ READERS = {
     "srt": ("SRT Statistics|reaction times by service", TIMES),
     "parameters": ("parameters", PARAMETER),
 }
-TITLE = "^SIS (?:{}):$"
+TITLE = "^(?:SIS / )?SIS (?:{}):$"  # from 4.4 on, tshark also writes the submenu
 
 Figures = dict[str, list[tuple[str, ...]]]  # by kind
 

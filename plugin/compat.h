@@ -69,6 +69,14 @@ typedef gboolean compat_uat_bool;
     ((void)(count), register_follow_stream(protocol, tap, by_packet, by_index, by_address, port, packet))
 #endif
 
+/* Before 4.4, the menu Statistics would have two submenus SIS, one for trees of counts and one for the
+ * others. */
+#if WIRESHARK_AT_LEAST(4, 4)
+#define COMPAT_IN_SUBMENU(title) "SIS//" title
+#else
+#define COMPAT_IN_SUBMENU(title) title
+#endif
+
 /* From 4.6 on, a statistic says whether it could begin. */
 #if WIRESHARK_AT_LEAST(4, 6)
 typedef bool compat_stat_begun;

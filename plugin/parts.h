@@ -7,6 +7,8 @@
 
 #include "compat.h"
 
+void menu_register(void);
+
 void sertap_register(void); /* packet-sertap.c */
 void sertap_handoff(void);
 void sertap_line_register(void);

@@ -44,6 +44,7 @@ proto_register_sis(void)
     sis_access_table_register();
     sis_follow_register();
     sis_rows_register();
+    menu_register();
 }
 
 void

@@ -108,6 +108,21 @@ def test_filter_with_options(capture: str, display_filter: str, frames: list[int
     assert [int(line.split()[0]) for line in found.splitlines()] == frames
 
 
+def test_a_fault_is_one_item(tshark: Tshark, tmp_path: Path) -> None:
+    """With one service in the packet. Of a status and its error code, only the code is an item."""
+    capture = tmp_path / "merged.pcapng"
+    PLAIN.write(capture)
+    asked = ("-Y", "sis && _ws.expert && count(sis.service) <= 1", "-T", "fields", "-E", "aggregator=|")
+    found = tshark.output("-r", str(capture), *asked, "-e", "frame.number", "-e", "_ws.expert.message")
+    twice = []
+    for number, texts in (line.split("\t") for line in found.splitlines()):
+        faults = ["status" if text.startswith(("Status: ", "error 0x")) else text for text in texts.split("|")]
+        if len(set(faults)) < len(faults):
+            twice.append((PLAIN.whose(int(number)), texts))
+    assert "error 0x" in found
+    assert twice == []
+
+
 def test_nothing_before_the_first_telegram_becomes_sis(tshark: Tshark) -> None:
     """In the second pass TCP knows that the stream is SIS, but bytes before it are not."""
     path = str(HERE / "tcp-resync.pcapng")

@@ -54,7 +54,7 @@ def statistics(tshark: Tshark) -> dict[str, str]:
     """Return each table by its name, from one run of tshark."""
     wanted = [word for name in TITLES for word in ("-z", name)]
     printed = tshark.output("-q", *wanted, "-r", str(CAPTURE))
-    parts = re.split(rf"^({'|'.join(map(re.escape, TITLES.values()))})\n", printed, flags=re.MULTILINE)
+    parts = re.split(rf"^(?:SIS / )?({'|'.join(map(re.escape, TITLES.values()))})\n", printed, flags=re.MULTILINE)
     by_title = dict(zip(parts[1::2], parts[2::2], strict=True))
     return {name: by_title[title] for name, title in TITLES.items()}
 
@@ -159,15 +159,25 @@ def test_a_filter(tshark: Tshark) -> None:
     assert set(rows) == {"All", "4"}
 
 
+def intervals_of_one_read(tshark: Tshark, folder: Path, first: int) -> list[str]:
+    """Return the row of a telegram of eight characters, of which those from this one on came in one read."""
+    text = "command 16>3 12\n" + "".join(f"flag {n} 0x01\n" for n in range(first + 1, 9))
+    (folder / "read.txt").write_text(text)
+    (folder / "read.pcapng").write_bytes(Scenario(folder / "read.txt").capture())
+    return table(tshark.output("-q", "-z", "sis,tza", "-r", str(folder / "read.pcapng")))["16"]
+
+
 def test_intervals_without_exact_times(tshark: Tshark, tmp_path: Path) -> None:
     """All of a telegram in one read: there is nothing to make a quantile of."""
-    text = "command 16>3 12\n" + "".join(f"flag {n} 0x01\n" for n in range(2, 9))
-    (tmp_path / "read.txt").write_text(text)
-    (tmp_path / "read.pcapng").write_bytes(Scenario(tmp_path / "read.txt").capture())
-    rows = table(tshark.output("-q", "-z", "sis,tza", "-r", str(tmp_path / "read.pcapng")))
-    assert rows["16"][:4] == ["1", "8", "", ""]
-    assert rows["16"][4].startswith("<="), "an upper bound is no interval"
-    assert rows["16"][7:] == "7 0 0 0 0 0 0 0".split()
+    row = intervals_of_one_read(tshark, tmp_path, first=1)
+    assert row[:4] == ["1", "8", "", ""]
+    assert row[4].startswith("<="), "an upper bound is no interval"
+    assert row[7:] == "7 0 0 0 0 0 0 0".split()
+
+
+def test_the_interval_before_one_read(tshark: Tshark, tmp_path: Path) -> None:
+    """The last three of eight: two intervals between them, four of 1.146 ms before, and one that is neither."""
+    assert intervals_of_one_read(tshark, tmp_path, first=6)[7:] == "2 0 4 0 0 0 0 0".split()
 
 
 def test_load_of_two_lines_is_their_mean(tshark: Tshark) -> None:

@@ -17,10 +17,10 @@ from screen import Screen
 from user import Broken, User
 
 FILE = "capture/pictures/live.gif"
-SECONDS, FILTER_AT, SIZE = 20, 12, (1200, 480)
+SECONDS, FILTER_AT, SIZE = 20, 12, (1280, 480)  # the least width that shows all columns
 MOST_BYTES = 2_000_000
 FILTER = ("key ctrl+slash", "type --delay 40 sis.tza.verdict==1", "key Return")
-LIVE = take.Picture(FILE, f"-k -i {take.DEMO_BUS} -o {take.LIVE_FAULTS}", "^Capturing from", *SIZE)
+LIVE = take.Picture(FILE, f"-k -i {take.DEMO_BUS}", "^Capturing from", *SIZE)
 
 
 def frames(user: User, screen: Screen, folder: Path) -> None:

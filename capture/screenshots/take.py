@@ -51,7 +51,6 @@ BUS = "--listen 127.0.0.1:0 --fast --seed 3 --faults checksum=0.015,pause=0.001,
 # A reaction with a value and too long a pause; with this seed, other faults follow it.
 LATE = 'sis.tza.verdict == 1 && sis.control.reaction == 1 && sis.value contains "rpm"'
 
-LIVE_FAULTS = "extcap.sistap_demo.faults:checksum=0.04,parity=0.003,pause=0.001"
 LIVE_BYTES = 45_000  # of a capture: about 9 s, when names and units are known
 
 # In the tree: open the last protocol, SIS, and in it the last branch, Timing. Go to the item before, the value. Scroll
@@ -84,17 +83,16 @@ class Picture(NamedTuple):
 
 MAIN = f"^{DEMO}$"
 CONVERSATIONS = Step(MAIN, "key Escape alt+s Down Down Down Return")
+OF_THE_SUBMENU = Step(MAIN, "key Escape alt+s Up Right Return")  # the first of Statistics > SIS
 OPTIONS = (Step("^The Wireshark Network Analyzer$", "key ctrl+k"), Step("Capture Options", THE_GEAR))
 PICTURES = (
     Picture("plugin/pictures/wireshark.png", f"-r {DEMO} -J '{LATE}'", MAIN, 1500, 900, do=OPEN_TREE),
-    Picture("plugin/pictures/bus.png", f"-r {DEMO} -z sis,bus", "SIS bus by station", 1350, 240),
+    Picture("plugin/pictures/bus.png", f"-r {DEMO}", "SIS bus by station", 1350, 240, (OF_THE_SUBMENU,)),
     Picture("plugin/pictures/intervals.png", f"-r {DEMO} -z sis,tza", "SIS intervals by talker", 1450, 240),
     Picture("plugin/pictures/reactions.png", f"-r {DEMO} -z sis,srt", "SIS Service Response Time", 800, 300),
     Picture("plugin/pictures/conversations.png", f"-r {DEMO}", "Conversations", 1500, 400, (CONVERSATIONS,)),
     Picture("capture/pictures/graphs.png", f"-r {DEMO} -z io,stat", "I/O Graphs", 1000, 720),
-    Picture(
-        "capture/pictures/live.png", f"-k -i {DEMO_BUS} -o {LIVE_FAULTS}", "^Capturing from", 1500, 620, is_live=True
-    ),
+    Picture("capture/pictures/live.png", f"-k -i {DEMO_BUS}", "^Capturing from", 1500, 620, is_live=True),
     Picture("capture/pictures/options.png", f"-i {DEMO_BUS}", "Interface Options", 640, 330, OPTIONS),
 )
 

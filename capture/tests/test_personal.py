@@ -68,7 +68,7 @@ def test_a_copy_of_an_earlier_version_is_renewed(configuration: Path) -> None:
     assert f"renewed  {copy / 'colorfilters'}" in lines
     assert recent.startswith("gui.zoom_level: 3\n")
     assert '\t"SIS"\n' in recent
-    assert '\t"%i", 580,\n' in recent
+    assert '\t"%i", 500,\n' in recent
     assert "99" not in recent
     assert list(personal.renew(configuration)) == []
 
@@ -87,7 +87,7 @@ def test_what_the_user_has_changed_stays_and_is_told(configuration: Path) -> Non
 
 def test_widths_of_the_same_columns_stay() -> None:
     of_version = OF_VERSION["recent"].decode()
-    wider = of_version.replace("580", "900").replace('"%m"', "%m")
+    wider = of_version.replace("500", "900").replace('"%m"', "%m")
     assert profile.with_widths(wider, of_version) == wider
     of_windows = WIDTHS.replace("\n", "\r\n")
     assert profile.with_widths(of_windows, of_windows.replace("99", "98")) == of_windows

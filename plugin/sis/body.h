@@ -23,10 +23,11 @@ typedef struct {
     uint8_t service;
     uint8_t status; /* of a reaction */
     const char *status_text;
+    proto_item *status_item;
     uint32_t error; /* the code, 0: none */
     const char *error_text;
     const sis_error_t *errors; /* of the elements of service 0x04, the last first */
-    bool is_explained;         /* an error code was shown, so the text of the status is not repeated */
+    bool is_explained;         /* an error code was shown, so the status is not marked, too */
     wmem_strbuf_t *summary;    /* for the packet list, after the service's name */
     wmem_strbuf_t *marks;      /* and what is wrong, after that */
     sis_request_t *request;    /* of a command: filled in while reading */

@@ -46,10 +46,20 @@ take_status(sis_body_t *body)
                                                   status, "%s (0x%02x)", text, status);
     body->offset++;
     body->status_text = text;
-    if (status != 0)
-        expert_add_info_format(body->pinfo, body->item,
-                               status < 0xF0 ? &ei_sis_status_execution_error : &ei_sis_status_telegram_error,
-                               "Status: %s", text);
+    body->status_item = body->item;
+}
+
+/* An error code says more, and is an item of its own. */
+static void
+mark_status(const sis_body_t *body)
+{
+    if (body->status == 0 || body->is_explained)
+        return;
+    expert_add_info_format(body->pinfo, body->status_item,
+                           body->status < 0xF0 ? &ei_sis_status_execution_error
+                                               : &ei_sis_status_telegram_error,
+                           "Status: %s", body->status_text);
+    wmem_strbuf_append_printf(body->marks, "  [status: %s]", body->status_text);
 }
 
 static bool
@@ -144,8 +154,7 @@ sis_dissect_body(sis_body_t *body)
     /* After a telegram error even the useful data header may be missing. */
     if (!body->is_short && (body->status < 0xF0 || sis_left(body) > 0))
         (dissect != NULL ? dissect : dissect_undocumented)(body);
-    if (body->status != 0 && !body->is_explained) /* an error code says more */
-        wmem_strbuf_append_printf(body->marks, "  [status: %s]", body->status_text);
+    mark_status(body);
     show_leftover(body);
     sis_sequence_watch(body);
 }
@@ -307,8 +316,10 @@ dissect_element(sis_body_t *list, unsigned number, commands_t *commands)
     if (length == 0) {
         sis_mark(list, &ei_sis_body_unexpected, "an element is empty");
     } else if (sis_take(list, hf_sis_service, 1, &service)) {
-        if (length + 1 > there && !list->is_cut)
+        if (length + 1 > there && !list->is_cut) {
             sis_mark(list, &ei_sis_body_missing, "an element is cut");
+            list->is_cut = true; /* so its missing field has no note */
+        }
         if (service == SIS_LIST)
             show_recursion(list, end - 2, commands);
         else

@@ -164,5 +164,6 @@ sis_statistics_register(void)
 {
     register_conversation_table(proto_sis, TRUE, conversation_packet, endpoint_packet);
     register_srt_table(proto_sis, "sis", 1, srt_packet, srt_init, NULL);
-    stats_tree_register_plugin("sis", "sis", "SIS telegrams", 0, tree_packet, tree_init, NULL);
+    stats_tree_register_plugin("sis", "sis", COMPAT_IN_SUBMENU("SIS telegrams"), 0, tree_packet, tree_init,
+                               NULL);
 }

@@ -37,9 +37,10 @@ sis_table_free_item(stat_tap_table *table, unsigned row, unsigned column, stat_t
 
 extern tap_param sis_table_parameters[1];
 
-/* The members of a stat_tap_table_ui that are the same in each. */
+/* The members of a stat_tap_table_ui that are the same in each. The group is that of a program that shows
+ * logs: in Wireshark, the entry of menu.c is the only one. */
 #define SIS_TABLE(columns)                                                                                   \
-    .group = REGISTER_PACKET_STAT_GROUP_UNSORTED, .stat_tap_free_table_item_cb = sis_table_free_item,        \
+    .group = REGISTER_LOG_STAT_GROUP_UNSORTED, .stat_tap_free_table_item_cb = sis_table_free_item,           \
     .nfields = array_length(columns), .fields = columns, .nparams = 1, .params = sis_table_parameters
 
 #endif

@@ -334,7 +334,8 @@ is_same_read(const sis_times_t *times, unsigned character)
                SERTAP_SAME_READ;
 }
 
-/* The interval before a character: into the histogram if both characters were read alone. */
+/* The interval before a character: into the histogram if both characters were read alone. One between a read
+ * of several and another read is in no column. */
 static void
 count_interval(const stat_tap_table *table, unsigned row, const sis_times_t *times, unsigned character)
 {
@@ -345,11 +346,12 @@ count_interval(const stat_tap_table *table, unsigned row, const sis_times_t *tim
     if (compat_get_uint8(record->tvb, record->flags_offset + at) &
         (SERTAP_INTERVAL_UNKNOWN | SERTAP_ERROR_LOST))
         return;
-    if (is_same_read(times, character - 1) || is_same_read(times, character) ||
-        is_same_read(times, character + 1)) {
+    if (is_same_read(times, character)) {
         sis_table_count(table, row, TZA_ONE_READ, 1);
         return;
     }
+    if (is_same_read(times, character - 1) || is_same_read(times, character + 1))
+        return;
     while (ns >= bins_ms[bin] * NS_PER_MS)
         bin++;
     sis_table_count(table, row, TZA_BINS + bin, 1);

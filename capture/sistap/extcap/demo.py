@@ -12,6 +12,7 @@ from sistap.bus.wires.taps import Taps
 from sistap.bus.wires.wire import Pace
 from sistap.records.cut import Cut
 
+FAULTS = "checksum=0.04,parity=0.003,pause=0.001"  # of the default scenario: some in each second
 _SEED = 1
 _A_CHARACTER = 1  # at a time, as on a line
 
@@ -24,6 +25,8 @@ def framing(scenario: str) -> Cut:
 def start(faults: str, scenario: str) -> str:
     """Start a bus that waits for its listener; return the address for -i. ValueError: an option is wrong."""
     played = load(scenario or DEFAULT)
+    if not scenario or scenario == DEFAULT:
+        faults = faults or FAULTS
     how = Playing(_SEED, tap_faults=Faults.parse(faults) if faults else NO_FAULTS)
     telegrams = played.play(played.settings, how)
     wire = Taps(Pace(), "127.0.0.1:0", _SEED, _A_CHARACTER)

@@ -179,10 +179,11 @@ OPTIONS = (
         "--faults",
         "string",
         "Faults",
-        "Probability of each fault: parity, break, loss or pause of a character, checksum of a telegram",
+        "Probability of each fault: parity, break, loss or pause of a character, checksum of a telegram. "
+        "The scenario demo has a few of them; checksum=0 means none",
         BUS,
         of=Of.DEMO,
-        placeholder="none; for example checksum=0.02,pause=0.001",
+        placeholder="for example checksum=0.02,pause=0.001",
         validation="^[a-z]+=[0-9.]+(,[a-z]+=[0-9.]+)*$",
     ),
     Option(
