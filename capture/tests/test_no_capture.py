@@ -8,6 +8,7 @@ import shlex
 import struct
 from collections.abc import Callable
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 from commands import refused, run
@@ -71,6 +72,15 @@ def test_a_usb_capture_is_imported_first(folder: Path, words: tuple[str, ...], s
     done = run(folder, *words, "usb.cap")
     refused(done, 2, "usb.cap has packets of USB alone")
     assert proposed(done.stderr) == [["import", "usb.cap", "-w", "usb-sis.pcapng"]]
+
+
+@pytest.mark.parametrize(("member", "name"), [("metadata", "pulse.sr"), ("header", "a b.dsl")])
+def test_a_session_of_a_logic_analyser_is_imported_first(folder: Path, member: str, name: str) -> None:
+    with ZipFile(folder / name, "w") as archive:
+        archive.writestr(member, "")
+    done = run(folder, "report", name)
+    refused(done, 2, f"{name} is a session of ")
+    assert proposed(done.stderr) == [["import", name, "-w", f"{Path(name).stem}-sis.pcapng"]]
 
 
 def big_endian(path: Path) -> Path:
