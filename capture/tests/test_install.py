@@ -18,7 +18,7 @@ from portable import WINDOWS, compiled, posix, unpackaged
 import sistap.terminal.state
 from sistap import cli
 from sistap.install import command, shell, sources, uninstall
-from sistap.terminal.advice import advice
+from sistap.terminal.advice import advice, shell_word
 from sistap.wireshark.tshark import NOBODY, TsharkError
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -269,6 +269,24 @@ def test_uninstall_leaves_nothing(root: Path, run: Run, tmp_path: Path) -> None:
     assert not root.exists()
     assert not measured.parent.exists()
     assert run("uninstall") == (0, "nothing to remove: nothing was installed for this user\n", "")
+
+
+def test_uninstall_names_what_wireshark_has_written_anew(root: Path, run: Run) -> None:
+    """As 4.0 does when somebody closes its preferences with OK. Other profiles and settings are no matter of ours."""
+    run("install")
+    wireshark = root / "Personal/wireshark"
+    kept = {"preferences", "profiles/SIS/decode_as_entries", "profiles/SIS/preferences", "profiles/Mine/preferences"}
+    for name in kept:
+        (wireshark / name).parent.mkdir(exist_ok=True)
+        (wireshark / name).write_text("# as Wireshark writes it\n")
+    rest = f"the rest of the profile was changed by Wireshark or by you: {advice().remove}\n"
+    rest = rest.format(folder=shell_word(str(wireshark / "profiles/SIS")))
+    for _ in range(2):
+        code, out, err = run("uninstall")
+        assert (code, err) == (0, "") and out.endswith(rest)
+        assert files(root) == {f"Personal/wireshark/{name}" for name in kept}
+    shutil.rmtree(wireshark / "profiles/SIS")
+    assert "the rest" not in run("uninstall")[1]
 
 
 @posix("Windows has no such package")

@@ -95,7 +95,7 @@ def test_what_somebody_has_changed_is_kept(place: Path, own: Own) -> None:
     ledger = again(ledger)
     assert ledger.put(file, b"newer").startswith(f"kept     {file}: ")
     assert ledger.remove(file, own) == f"kept     {file}: it was changed since it was put there"
-    assert ledger.remove_folders(own) == [f"kept     {place}: others have put preferences there"]
+    assert ledger.remove_folders(own) == [f"kept     {place}: it still has preferences"]
     assert file.read_bytes() == b"theirs"
     assert again(ledger).files == []
 
@@ -123,7 +123,7 @@ def test_what_somebody_has_put_beside_it_is_kept(place: Path, own: Own) -> None:
     ledger.put(place / "SIS/preferences", b"")
     (place / "SIS/recent").touch()  # Wireshark, when the profile was used
     ledger.remove(place / "SIS/preferences", own)
-    assert ledger.remove_folders(own) == [f"kept     {place / 'SIS'}: others have put recent there"]
+    assert ledger.remove_folders(own) == [f"kept     {place / 'SIS'}: it still has recent"]
     assert tree(place) == {"SIS", "SIS/recent"}
 
 

@@ -210,5 +210,5 @@ def test_a_report_of_several_files(tmp_path: Path) -> None:
     assert (second["packets"], second["records"]["events"]) == (5, 1)
     text = run(tmp_path, "report", "--format", "text", *ring(tmp_path)).stdout
     assert "2 files, a to b" in text and "mergecap -a -w all.pcapng" in text
-    (tmp_path / "c").write_bytes(b"junk")
+    (tmp_path / "c").write_bytes(b"\0junk" * 9)
     refused(run(tmp_path, "report", "--format", "text", "a", "c"), 2, "c cannot be read with others")

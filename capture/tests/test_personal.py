@@ -8,10 +8,11 @@ from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from portable import posix
+from portable import WINDOWS, posix
 
 from sistap import doctor
 from sistap.install import homes, personal, sources
+from sistap.terminal.advice import shell_word
 from sistap.wireshark import profile
 
 OF_VERSION = {file.name: file.read_bytes() for file in sources.profile()}
@@ -51,6 +52,11 @@ def configuration(tmp_path: Path) -> Path:
 
 def contents(copy: Path) -> dict[str, bytes]:
     return {file.name: file.read_bytes() for file in copy.iterdir()}
+
+
+def rest(copy: Path) -> str:
+    cure = f"delete {shell_word(str(copy))} to remove it" if WINDOWS else f"`rm -r {shell_word(str(copy))}` removes it"
+    return f"the rest of the profile was changed by Wireshark or by you: {cure}"
 
 
 def test_every_file_of_this_version_is_on_the_list() -> None:
@@ -107,7 +113,7 @@ def test_removed_it_leaves_what_the_user_has_changed(configuration: Path) -> Non
     (copy / "colorfilters").write_bytes(MINE)
     lines = list(personal.remove(configuration))
     assert contents(copy) == {"colorfilters": MINE, "recent": WIDTHS.encode()}
-    assert lines[-1] == f"kept     {copy}: others have put colorfilters, recent there"
+    assert lines[-2:] == [f"kept     {copy}: it still has colorfilters, recent", rest(copy)]
     assert "gui.last_used_profile" not in (configuration / "recent_common").read_text()
 
 

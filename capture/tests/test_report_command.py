@@ -176,7 +176,7 @@ def test_a_folder_is_judged_without_what_cannot_be_read(
 def test_a_folder_in_which_nothing_can_be_read(tmp_path: Path) -> None:
     for name in "ab":
         (tmp_path / f"{name}.pcapng").write_bytes(b"just a text\n" * 9)
-    refused(report(tmp_path, ".", "-o", "x.txt"), 2, "a.pcapng cannot be read with others")
+    refused(report(tmp_path, ".", "-o", "x.txt"), 2, "a.pcapng is not a capture")
 
 
 @fifos

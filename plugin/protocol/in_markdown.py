@@ -41,8 +41,8 @@ def _expert(item: Expert) -> Iterator[str]:
 
 
 def _fault(fault: Fault) -> Iterator[str]:
-    yield f"- **{fault.title}**: button *{fault.button}*."
-    yield from (f"  {fault.expert.do}", f"  Filter: {', or '.join(f'`{test}`' for test in fault.tests)}", "")
+    yield from (f"### {fault.title}", "", f"Button *{fault.button}*. {fault.expert.do}", "")
+    yield from (f"Filter: {', or '.join(f'`{test}`' for test in fault.tests)}", "")
 
 
 def _field(field: Field) -> str:

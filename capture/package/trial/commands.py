@@ -31,6 +31,7 @@ TYPED = {
     "/dev/ttyUSB0": PORT,
     "-w day.pcapng": "-a duration:8 -w day.pcapng",
     "apt-get install": "apt-get install -y",
+    "apt-get remove": "apt-get remove -y",
 }
 
 
@@ -100,6 +101,8 @@ MORE = [
     Command("sistap install", "all users have it"),
     Command("sistap uninstall", "sudo apt-get remove sistap"),
 ]
+
+REMOVED = [Command("apt-get remove sistap"), Command("rm -r /opt/sis")]
 
 
 class Failed(Exception):
@@ -229,8 +232,9 @@ def later() -> Path:
 
 def removed(screen: Screen) -> None:
     """Remove the package: nothing is left but what a user has made, and Wireshark does not complain. Raise Failed."""
-    check(Command("apt-get remove -y sistap"))
-    left = run("find / -xdev -iname '*sistap*' -not -path '/opt/*' -not -path '/srv/*' -not -path '/tmp/*' "
+    for command in REMOVED:
+        check(command)
+    left = run("find / -xdev -iname '*sistap*' -not -path '/srv/*' -not -path '/tmp/*' "
                "-not -path '/proc/*' -not -path '/var/lib/dpkg/*'")[1].split()  # fmt: skip
     left += [str(file) for file in profile("neat").glob("*")]
     mine = sorted(file.name for file in profile("me").glob("*"))
@@ -243,7 +247,7 @@ def removed(screen: Screen) -> None:
 
 def main(readme: str) -> int:
     """Try everything; return the exit code."""
-    known = [command.line for command in (*AS_ROOT, *WINDOWS, *OF_README)]
+    known = [command.line for command in (*AS_ROOT, *WINDOWS, *OF_README, *MORE, *REMOVED)]
     try:
         if missing := set(of_readme(Path(readme).read_text())) - set(known):
             raise Failed(f"commands of the README that nobody tries here: {missing}")

@@ -13,11 +13,12 @@ from typing import BinaryIO, NamedTuple
 from sistap.captures import reading
 from sistap.captures.reading import NotCaptured
 from sistap.common import temporary
+from sistap.common.packed import is_text, making, no_capture
 from sistap.files import pcapng
 from sistap.records.record import KEPT, Event
 from sistap.terminal.exits import UsageError
 
-_OTHER_PACKETS = (2, 3)  # kinds of blocks that name no interface, or are obsolete
+_USB = {186, 189, 220, 249, 266}  # link types (tcpdump.org/linktypes.html): FreeBSD, Linux, Windows, macOS
 
 
 def check_captures(named: Iterable[Path], say: Callable[[str], None], output: str | None = None) -> list[Path]:
@@ -30,12 +31,23 @@ def check_captures(named: Iterable[Path], say: Callable[[str], None], output: st
         if capture.exists() and not capture.is_file():
             raise UsageError(f"{capture} is not a file: it is read twice, so save the capture first")
         try:
-            capture.open("rb").close()
+            _check_contents(capture, say)
         except OSError as error:
             raise UsageError(f"cannot read {capture}: {error.strerror}; name a capture file") from None
         if output and Path(output).exists() and capture.samefile(output):
             raise UsageError(f"{output} is the capture itself; name another file with -o")
     return captures
+
+
+def _check_contents(capture: Path, say: Callable[[str], None]) -> None:
+    """Say that a capture is empty. UsageError if it is a text, or of USB alone; OSError."""
+    if is_text(capture):
+        raise UsageError(no_capture(capture))
+    link_types, has_packets = reading.beginning(capture)
+    if not has_packets:
+        say(f"{capture} has no packets")
+    elif link_types and link_types <= _USB:
+        raise UsageError(f"{capture} has packets of USB alone. First make one of the bus: {making('import', capture)}")
 
 
 def _inside(folder: Path) -> list[Path]:
@@ -175,7 +187,7 @@ class _Joining:
     def _take(self, block: reading.Block, capture: Path) -> None:
         """Append a block if it is a packet or new."""
         kind, order, body = block
-        if order != "<" or kind in _OTHER_PACKETS:
+        if order != "<" or kind in reading.OTHER_PACKETS:
             raise NotCaptured(f"{capture} was not written by sistap: read it alone")
         if kind == pcapng.SECTION_HEADER:
             self._numbers: list[int] = []  # of its interfaces

@@ -23,6 +23,10 @@ _MICROSECONDS = 6  # decimal places without the option
 # bytes of the fixed part of a body
 _FIXED = {pcapng.SECTION_HEADER: 16, pcapng.INTERFACE_DESCRIPTION: 8, pcapng.ENHANCED_PACKET: 20}
 _PACKED = b"\x1f\x8b"  # gzip
+# The byte order of the older format pcap, by its first bytes, with times in us and ns.
+_PCAP = {b"\xd4\xc3\xb2\xa1": "<", b"\x4d\x3c\xb2\xa1": "<", b"\xa1\xb2\xc3\xd4": ">", b"\xa1\xb2\x3c\x4d": ">"}
+_PCAP_HEADING = 24  # bytes; the last four are the link type
+OTHER_PACKETS = (2, 3)  # kinds of blocks that name no interface, or are obsolete
 _CURE = "open and save it in Wireshark"
 
 Say = Callable[[str], object]
@@ -53,6 +57,28 @@ class _Interface(NamedTuple):
     link_type: int
     decimals: int  # decimal places of its time stamps, in seconds
     description: bytes
+
+
+def beginning(path: Path) -> tuple[set[int], bool]:
+    """Return the link types that come before the first packet, and whether there is a packet.
+
+    No link types, and a packet, of a file that is neither pcapng nor pcap. May raise OSError.
+    """
+    with path.open("rb") as file:
+        heading = file.read(_PCAP_HEADING)
+        if len(heading) == _PCAP_HEADING and (order := _PCAP.get(heading[:4])):
+            return {*struct.unpack(f"{order}I", heading[-4:])}, bool(file.read(1))
+    found: set[int] = set()
+    try:
+        with opened(path) as file:
+            for kind, order, body in blocks(file, path):
+                if kind == pcapng.ENHANCED_PACKET or kind in OTHER_PACKETS:
+                    return found, True
+                if kind == pcapng.INTERFACE_DESCRIPTION:
+                    found.add(_interface(order, body).link_type)
+    except NotCaptured:
+        return set(), True
+    return found, False
 
 
 def records(path: Path, say: Say = lambda _: None) -> Iterator[Record]:

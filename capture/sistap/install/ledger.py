@@ -122,7 +122,7 @@ class Ledger:
                 folder.rmdir()
                 lines.append(f"removed  {folder}")
             elif others and folder in self._left:
-                lines.append(f"kept     {folder}: others have put {', '.join(others)} there")
+                lines.append(f"kept     {folder}: it still has {', '.join(others)}")
         return lines
 
     def _elsewhere(self) -> str:

@@ -10,6 +10,7 @@ from sistap.install import sources
 from sistap.install.ledger import ElsewhereError, Ledger
 from sistap.line import measurement
 from sistap.terminal import state
+from sistap.terminal.advice import advice, shell_word
 from sistap.wireshark import profile
 from sistap.wireshark.folders import Own
 
@@ -69,9 +70,17 @@ def remove(configuration: Path) -> Iterator[str]:
         except ElsewhereError as error:
             yield str(error)
     yield from ledger.remove_folders(own)
+    yield from left(copy)
     ledger.save()
     forget(configuration)
     measurement.forget()
+
+
+def left(copy: Path) -> Iterator[str]:
+    """Yield a line about what is left of a copy: whenever somebody changes a setting, Wireshark writes files anew."""
+    if copy.is_dir():
+        cure = advice().remove.format(folder=shell_word(str(copy)))
+        yield f"the rest of the profile was changed by Wireshark or by you: {cure}"
 
 
 def forget(configuration: Path) -> None:

@@ -20,9 +20,10 @@ from sistap.wireshark.tshark import TsharkError
 
 DESCRIPTION = """\
 Remove what `sistap install` has installed on this computer, and the folders that it made. As root, remove what was
-installed for all users. sistap prints one line for each file. It keeps files that somebody has changed or added. It
-touches only Wireshark's own folders, as tshark names them, and those of the command `sistap` and its completion. The
-results of self-tests go, too.
+installed for all users. sistap prints one line for each file. It keeps files that somebody has changed or added.
+Wireshark writes files of the profile anew when somebody changes a setting: the last line says how to remove them.
+sistap touches only Wireshark's own folders, as tshark names them, and those of the command `sistap` and its completion.
+The results of self-tests go, too.
 """
 
 EPILOG = """\
@@ -59,6 +60,8 @@ def run(args: argparse.Namespace) -> int:
         removed = ledger.is_empty or _remove(ledger, command.own_folders(), console)
         if profiles:
             personal.forget(profiles.parent)
+            for line in personal.left(profiles / profile.NAME):
+                print(visible(line))
         if removed:
             programs.forget()
             measurement.forget()

@@ -22,6 +22,7 @@ class Advice(NamedTuple):
     held: str  # a file cannot be replaced or removed
     started: str  # how to start Wireshark with the profile
     path: str  # {folder} is not in PATH
+    remove: str  # the {folder} of a user
     latency_timer: str  # of an FTDI adapter: {name} is its name in Windows
     ports_group: str = ""  # users of serial ports must belong to it
     package: str = ""  # how to remove the package of the system
@@ -39,6 +40,7 @@ _LINUX = Advice(
     held="see who may write to its folder",
     started="start it with `wireshark -C SIS`",
     path='`export PATH="{folder}:$PATH"`, also as a line of ~/.profile; on Debian and Ubuntu a new login is enough',
+    remove="`rm -r {folder}` removes it",
     latency_timer="`echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer`",
     ports_group="dialout",
     package="`sudo apt-get remove sistap` removes the Debian package",
@@ -69,6 +71,7 @@ _WINDOWS = Advice(
     started="start it, and choose the profile SIS at the right end of its status bar",
     path="Settings > System > About > Advanced system settings > Environment Variables > Path > Edit > New adds it, "
     "for windows that are opened then; py -m sistap works without it",
+    remove="delete {folder} to remove it",
     latency_timer="in Device Manager > Ports (COM & LPT) > {name} > Properties > Port Settings > Advanced set Latency "
     "Timer (msec) to 1, then start again",
     no_wireshark="install it, with TShark; if it is in another folder, as a portable one is, type sistap install "

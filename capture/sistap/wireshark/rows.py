@@ -9,7 +9,7 @@ from functools import lru_cache
 from operator import eq, gt
 from pathlib import Path
 
-from sistap.common.packed import unpack
+from sistap.common.packed import no_capture
 from sistap.terminal.console import visible
 from sistap.terminal.exits import Error
 from sistap.wireshark.tshark import Tshark, TsharkError
@@ -147,10 +147,7 @@ def damage(capture: Path, error: TsharkError, came: bool) -> str:
     NotACapture if it is none, TsharkError if tshark failed for another reason.
     """
     if is_no_capture(error):
-        raise NotACapture(
-            unpack(capture)
-            or f"{capture} is not a capture that tshark can read. If it is a log: `sistap annotate LOG -w FILE`"
-        ) from None
+        raise NotACapture(no_capture(capture)) from None
     last = last_words(error)
     if not came and not is_cut(error):
         raise TsharkError(f"tshark: {last}") from None
