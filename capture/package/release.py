@@ -92,6 +92,7 @@ PAGE = """<!DOCTYPE html>
 <style>
 body {{ font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em }}
 td, th {{ text-align: left; vertical-align: top; padding: .3em 1em .3em 0 }}
+td:last-child {{ white-space: nowrap }}
 </style>
 </head>
 <body>
@@ -136,7 +137,8 @@ def row(path: Path, file: File) -> str:
     """Return what the page says of a file."""
     link = f'<a href="{html.escape(path.name)}">{html.escape(path.name)}</a>'
     how = html.escape(file.how.replace("NAME", path.name))
-    size = f"{path.stat().st_size / 1e6:.1f} MB"
+    kilobytes = path.stat().st_size / 1000
+    size = f"{kilobytes / 1000:.1f} MB" if kilobytes > 100 else f"{kilobytes:.0f} kB"
     return f"<tr><td>{html.escape(file.whom)}</td><td>{link}</td><td>{how}</td><td>{size}</td></tr>"
 
 
