@@ -50,6 +50,13 @@ def test_the_plugin_is_hardened() -> None:
     assert "__stack_chk_fail@" in said["--dyn-syms"]
 
 
+def test_the_plugin_does_not_know_where_it_was_built() -> None:
+    """The same sources make the same bytes in every folder: also what helps a debugger names no folder."""
+    plugin = next(Path(os.environ["WIRESHARK_PLUGIN_DIR"]).rglob("sis.so")).read_bytes()
+    assert b"plugin/sis/packet-sis.c" in plugin  # it is there, and can be read
+    assert bytes(HOUSE.resolve()) not in plugin
+
+
 def readelf(file: Path, option: str) -> str:
     return subprocess.run(["readelf", "--wide", option, file], check=True, capture_output=True, text=True).stdout
 

@@ -88,10 +88,10 @@ def main() -> int:
     module = MADE / "module" / SERIES / "sis.dll"
     for needed, maker in {PROGRAMS / "tshark.exe": "wireshark", module: "module"}.items():
         if not needed.exists():
-            print(f"bundle: sis.dll not tried: make it with capture/bundle/{maker}", file=sys.stderr)
+            print(f"bundle: not tried: sis.dll: make it with capture/bundle/{maker}", file=sys.stderr)
             return NOT_RUN
     if not shutil.which("wine"):
-        print("bundle: sis.dll not tried: wine is missing: apt-get install wine wine64", file=sys.stderr)
+        print("bundle: not tried: sis.dll: wine is missing: apt-get install wine wine64", file=sys.stderr)
         return NOT_RUN
     WindowsTshark().output("--version")  # before several at once: wine makes its Windows
     return 0 if all([trial(DLL, module), trial(SCRIPT, ROOT / "lua-fallback/sis.lua")]) else 1

@@ -198,7 +198,7 @@ begin_element(const noting_t *n)
     if (is_end)
         return;
     add_value(command->list, n->said->text);
-    n->unit->index = command->list->count;
+    n->unit->number = command->list->count;
 }
 
 static void
@@ -265,7 +265,7 @@ note_value(const noting_t *n)
     if (command->count == 0)
         learn(n, command);
     add_value(command, n->said->text);
-    n->unit->index = command->count > 1 ? command->count : 0;
+    n->unit->number = command->count > 1 ? command->count : 0;
 }
 
 static void

@@ -47,7 +47,7 @@ typedef struct {
     bool is_command;             /* this is it */
     bool is_first;               /* of the answer */
     bool is_last;
-    unsigned index;  /* of a value in its list, from 1; 0: it is none, or the first that was read */
+    unsigned number; /* of a value in its list, from 1; 0: it is none, or the first that was read */
     int64_t elapsed; /* of the first line of an answer, since the command, ns */
     sis_span_t span; /* the same, with its bounds */
     bool has_drive;

@@ -320,8 +320,8 @@ show_line(line_t *line)
         known = known_of(access);
         show_parameter(line, access, &known, line->said.kind == access->said.kind);
     }
-    if (unit->index > 0)
-        generated(proto_tree_add_uint(line->tree, hf_sisascii_index, line->tvb, 0, 0, unit->index));
+    if (unit->number > 0)
+        generated(proto_tree_add_uint(line->tree, hf_sisascii_index, line->tvb, 0, 0, unit->number));
     switch (unit->kind) {
     case SISASCII_WRITE:
         show_written(line, access, &known);

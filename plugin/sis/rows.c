@@ -107,10 +107,10 @@ say_number(GString *text, packet_info *pinfo)
 }
 
 static void
-say_time(GString *text, packet_info *pinfo, const nstime_t *time)
+say_time(GString *text, packet_info *pinfo, const nstime_t *elapsed)
 {
     if (pinfo->presence_flags & PINFO_HAS_TS)
-        g_string_append(text, rel_time_to_secs_str(pinfo->pool, time));
+        g_string_append(text, rel_time_to_secs_str(pinfo->pool, elapsed));
 }
 
 static void
