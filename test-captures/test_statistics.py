@@ -168,6 +168,9 @@ def test_intervals_without_exact_times(tshark: Tshark, tmp_path: Path) -> None:
     assert rows["16"][:4] == ["1", "8", "", ""]
     assert rows["16"][4].startswith("<="), "an upper bound is no interval"
     assert rows["16"][7:] == "7 0 0 0 0 0 0 0".split()
+    counts = dict(tree(tshark.output("-q", "-z", "sertap,tree", "-r", str(tmp_path / "read.pcapng"))))
+    assert counts["Characters"] == 8 and counts[" In the same read as the one before"] == 7
+    assert counts["Interval inside a frame (us)"] == 0
 
 
 def test_load_of_two_lines_is_their_mean(tshark: Tshark) -> None:

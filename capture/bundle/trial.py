@@ -106,7 +106,6 @@ def started(*command: str, cwd: Path = DRIVE) -> Iterator[subprocess.Popen[bytes
     """Run a Windows program whose environment has nothing of the checkout."""
     own = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "WIRESHARK"))}
     own |= {"WINEPREFIX": str(DRIVE.parent), "WINEDEBUG": "-all", "WINEARCH": "win64", "WINEDLLOVERRIDES": OVERRIDES}
-    own["LC_ALL"] = "C.UTF-8"  # the letters of PLACE and DAY
     process = subprocess.Popen(
         ["wine", *command], cwd=cwd, env=own, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
     )
