@@ -119,8 +119,8 @@ def test_what_could_be_better_is_no_failure(
     assert code == 0
     for subject, cure in {
         "ports": "plug the adapter in",
-        "others": "ModemManager is running: it writes to new ports, looking for modems: `sudo systemctl stop",
-        "priority": "run sistap with sudo, or put `@dialout - rtprio 1` into /etc/security/limits.conf",
+        "others": "it writes to new ports, looking for modems: `systemctl stop ModemManager` as root",
+        "priority": "run sistap as root, or put `@dialout - rtprio 1` into /etc/security/limits.conf",
         "self-test": "run `sistap selftest` again",  # it was made with real-time priority
         "tshark": "`apt-get install wireshark`",
     }.items():
