@@ -269,6 +269,14 @@ def registry(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> dict[object, st
     return known
 
 
+def test_a_device_that_windows_calls_new_is_not_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`sistap record` without a ring writes to `nul`: to remove that would fail."""
+    (tmp_path / "nul").touch()
+    monkeypatch.setattr("sistap.files.output._open", lambda *_, **__: (os.open(os.devnull, os.O_WRONLY), True))
+    Output(str(tmp_path / "nul")).close()
+    assert (tmp_path / "nul").exists()
+
+
 @pytest.mark.usefixtures("windows", "registry")
 def test_no_program_is_taken_from_the_current_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     put(tmp_path / "here/sistap.exe")
