@@ -15,12 +15,14 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from portable import WINDOWS, fifos, modes, posix, take_over_zone, terminals
+from portable import descriptors, fifos, modes, posix, take_over_zone, terminals
 
 from sistap.files.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
 from sistap.terminal.console import leave_standard_output, never_waiting
 
 pytestmark = pytest.mark.tap
+
+PATIENCE_S = 60  # never waited for unless something is broken
 
 if sys.platform != "win32":
     import fcntl
@@ -157,7 +159,7 @@ def test_a_pipe_that_nobody_reads_does_not_hold_up_a_stop(tmp_path: Path) -> Non
 
     thread = threading.Thread(target=write, daemon=True)
     thread.start()
-    thread.join(20)
+    thread.join(PATIENCE_S)
     assert not thread.is_alive()
     assert blocks >= 10
     os.close(reader)
@@ -179,7 +181,7 @@ def test_a_block_larger_than_the_pipe_does_not_hold_up_a_stop(tmp_path: Path) ->
 
     thread = threading.Thread(target=write, daemon=True)
     thread.start()
-    thread.join(20)
+    thread.join(PATIENCE_S)
     assert refused == [f"{fifo} is not being read; the last records are missing in it"]
     os.close(reader)
 
@@ -282,18 +284,13 @@ def test_a_new_capture_is_read_by_its_owner_and_its_group_at_most(tmp_path: Path
     assert [stat.S_IMODE(path.stat().st_mode) for path in (new, old)] == [mode, 0o664]
 
 
-def descriptors() -> int:
-    """Return how many descriptors are open."""
-    return 0 if WINDOWS else len(list(Path("/proc/self/fd").iterdir()))
-
-
 @posix("no locks")
 def test_a_file_that_another_capture_writes_leaves_nothing_open(tmp_path: Path) -> None:
     first = Output(str(tmp_path / "x"))
     before = descriptors()
     with pytest.raises(OutputRefused):
         Output(str(tmp_path / "x"))
-    assert descriptors() == before
+    assert descriptors() <= before
     first.close()
 
 
@@ -577,7 +574,7 @@ def test_the_summary_names_all_files_that_are_there(tmp_path: Path) -> None:
     go_on(output)
     kept = rf"3 files, of which the last 2 were kept: {base}_00002_\d+ to {base}_00003_\d+"
     assert re.fullmatch(kept, output.summary)
-    assert descriptors() == before  # those of the files before are closed
+    assert len(descriptors()) <= len(before)  # those of the files before are closed
     output.close()
 
 

@@ -21,6 +21,7 @@ import pytest
 import serial
 from hypothesis import given
 from hypothesis import strategies as st
+from portable import descriptors
 from real_driver import Driver
 
 from sistap.line import ports
@@ -38,7 +39,7 @@ SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
 TCGETS2 = 0x802C542A  # Linux: <asm-generic/ioctls.h>
 START_NS = 1_700_000_000_000_000_000
-PATIENCE_S = 10  # never waited for unless something is broken
+PATIENCE_S = 60  # never waited for unless something is broken
 
 
 @pytest.fixture(autouse=True)
@@ -857,11 +858,11 @@ def test_a_lost_port_is_put_back_too(bus: Pty, tuned: Path) -> None:
 
 def test_measuring_leaves_nothing_open_and_gives_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
-    open_before = len(list(Path("/proc/self/fd").iterdir()))
+    open_before = descriptors()
     latency.measured_latency_ns.cache_clear()
     measured = latency.measured_latency_ns()
     assert 0 < measured < UNCERTAINTY_UNKNOWN
-    assert len(list(Path("/proc/self/fd").iterdir())) == open_before
+    assert descriptors() <= open_before
     assert latency.measured_latency_ns() == measured  # a property of the process, not of a port
 
 
@@ -876,13 +877,13 @@ def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monk
         raise KeyboardInterrupt
 
     monkeypatch.setattr(delay, "_read", interrupted)
-    open_before = len(list(Path("/proc/self/fd").iterdir()))
+    open_before = descriptors()
     latency.measured_latency_ns.cache_clear()
     with pytest.raises(KeyboardInterrupt):
         latency.measured_latency_ns()
     writers[0].join(PATIENCE_S)
     assert not stumbled
-    assert len(list(Path("/proc/self/fd").iterdir())) == open_before
+    assert descriptors() <= open_before
 
 
 def test_measuring_takes_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:
