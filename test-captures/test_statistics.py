@@ -173,6 +173,9 @@ def test_intervals_without_exact_times(tshark: Tshark, tmp_path: Path) -> None:
     assert row[:4] == ["1", "8", "", ""]
     assert row[4].startswith("<="), "an upper bound is no interval"
     assert row[7:] == "7 0 0 0 0 0 0 0".split()
+    counts = dict(tree(tshark.output("-q", "-z", "sertap,tree", "-r", str(tmp_path / "read.pcapng"))))
+    assert counts["Characters"] == 8 and counts[" In the same read as the one before"] == 7
+    assert counts["Interval inside a frame (us)"] == 0
 
 
 def test_the_interval_before_one_read(tshark: Tshark, tmp_path: Path) -> None:

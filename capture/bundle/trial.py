@@ -60,14 +60,16 @@ NOT_ON_WINDOWS = set("fcntl grp js matplotlib numpy pwd pyarrow pyodide resource
 
 
 class Command(NamedTuple):
-    """What is typed after sistap, the exit code it has to have, and words of its output."""
+    """What is typed after sistap, words of its output, the exit code it has to have, and what plays the bus for it."""
 
     line: str
     words: str = ""
     code: int = 0
+    bus: str = ""
 
 
 DAY = r"C:\Tag Ω\day.pcapng"  # for the word DAY
+BUS = "127.0.0.1:5077"  # for the word BUS
 TYPED = [
     Command("--version", f"sistap {__version__}\r\n"),
     Command("bus --help", "-w FILE"),
@@ -89,6 +91,13 @@ TYPED = [
     Command("annotate --format html C:\\docklight.txt -o C:\\log.html"),
     Command("annotate C:\\docklight.txt -w C:\\log.pcapng"),
     Command("import C:\\x.sr -w C:\\sr.pcapng", "1 telegrams, 0 of them damaged"),
+    Command("capture -i bus://BUS -c 2", "16 -> 3", bus="replay DAY --listen BUS"),
+    Command("record -i bus://BUS -a duration:3 -w C:\\kept", bus="bus --listen BUS --duration 60"),
+    Command("serve --help", "--listen ADDRESS:PORT"),
+    Command("serve -i COM77", "does not exist", 3),
+    Command("extcap --extcap-interfaces", "{value=sistap-demo}"),
+    Command("web", "/sis.html"),
+    Command("help", "/docs/index.html"),
 ]
 
 
@@ -200,11 +209,30 @@ def every_command(bundle: Path) -> None:
     session(DRIVE / "x.sr")
     lacking = set(wine("python\\python.exe", "-c", IMPORTS, cwd=bundle).split())
     assert lacking <= NOT_ON_WINDOWS, lacking
+    for page in ("sis.html", "docs/index.html"):  # stand-ins, where `./bootstrap page` and `docs` were not run before
+        (bundle / page).parent.mkdir(exist_ok=True)
+        (bundle / page).touch()
     for command in TYPED:
-        words = [DAY if word == "DAY" else word for word in command.line.split()]
-        said = wine("sistap.exe", *words, cwd=bundle, code=command.code)
+        with playing(command.bus, bundle):
+            said = wine("sistap.exe", *typed(command.line), cwd=bundle, code=command.code)
         assert command.words in said and "Traceback" not in said, f"{command.line}\n{said}"
     good(f"zip, {len(TYPED)} commands")
+
+
+def typed(line: str) -> list[str]:
+    """Return the words of a line as they are typed here."""
+    return [DAY if word == "DAY" else word.replace("BUS", BUS) for word in line.split()]
+
+
+@contextlib.contextmanager
+def playing(line: str, bundle: Path) -> Iterator[None]:
+    """Let sistap play a bus meanwhile, if there is a line for it."""
+    if not line:
+        yield
+        return
+    with started("sistap.exe", *typed(line), cwd=bundle) as process:
+        assert process.stdout and f"bus://{BUS}\r\n".encode() in process.stdout, f"{line}: it does not play"
+        yield
 
 
 def uninstall(bundle: Path) -> None:

@@ -24,6 +24,7 @@ from sistap.terminal import programs
 from sistap.terminal.advice import advice
 from sistap.terminal.console import visible
 from sistap.terminal.exits import DONE, FAILED, PORT
+from sistap.terminal.rights import as_typed
 from sistap.terminal.state import is_root
 from sistap.wireshark import folders, profile
 from sistap.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
@@ -67,7 +68,7 @@ class Point(NamedTuple):
     text: str  # what was found, and the cure if that is not good
 
     def __str__(self) -> str:
-        return f"{self.mark:5} {self.subject:10} {visible(self.text)}"
+        return f"{self.mark:5} {self.subject:10} {visible(as_typed(self.text))}"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -14,6 +14,7 @@ from sistap.line.ports import Adapter
 from sistap.terminal.advice import advice
 from sistap.terminal.console import visible
 from sistap.terminal.exits import DONE
+from sistap.terminal.rights import as_typed
 
 _EXACT = Place.CHARACTER.value
 
@@ -52,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
         print(_as_json(there, analysers))
         return DONE
     if not there and not analysers:
-        print(f"no serial port found: plug the adapter in; {advice().no_port}")
+        print(as_typed(f"no serial port found: plug the adapter in; {advice().no_port}"))
         return DONE
     rows = [("port", "adapter", "driver", "latency", "line errors")]
     rows += [

@@ -15,12 +15,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from portable import posix
 
 import sistap
 from sistap.cli import COMMANDS, examples
 from sistap.common.packages import missing
 from sistap.common.packed import unpack
+from sistap.terminal import rights
 from sistap.terminal.advice import advice, shell_word
+from sistap.terminal.console import Console
+from sistap.terminal.rights import as_typed
 
 PACKAGE = Path(sistap.__file__).parent
 WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-|libpcap0")
@@ -86,6 +90,35 @@ def test_windows_is_told_nothing_of_linux() -> None:
     assert not re.search("apt-get|dmesg|limits.conf|/sys/|fuser|ttyUSB", " ".join(advice("darwin")))
     assert advice("linux") != advice("win32") != advice("darwin")
     assert advice("freebsd") == advice("linux")
+
+
+WITH_SUDO = "`sudo usermod -aG dialout $USER`, `echo 1 | sudo tee x` or run sistap with sudo; `sistap ports`"
+TYPED = {
+    (False, True): WITH_SUDO,
+    (False, False): "`usermod -aG dialout me` as root, `echo 1 | tee x` as root or run sistap as root; `sistap ports`",
+    (True, True): "`usermod -aG dialout me`, `echo 1 | tee x` or run sistap as root; `sistap ports`",
+}
+
+
+@posix("no sudo")
+@pytest.mark.parametrize(("is_root", "has_sudo"), TYPED)
+def test_sudo_is_for_those_who_have_and_need_it(
+    is_root: bool, has_sudo: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "sudo").touch(0o755 if has_sudo else 0o644)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("USER", "me")
+    monkeypatch.setattr(rights, "is_root", lambda: is_root)
+    assert as_typed(WITH_SUDO) == TYPED[is_root, has_sudo]
+
+
+def test_a_message_names_no_sudo_that_is_not_here(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(rights, "needs_sudo", lambda: False)
+    monkeypatch.setattr(rights, "is_root", lambda: False)
+    Console().say("`sudo dmesg | tail` says why")
+    assert capfd.readouterr().err == "sistap: `dmesg | tail` as root says why\n"
 
 
 def texts(file: Path) -> list[str]:

@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import struct
+import subprocess
 import sys
 import zipfile
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from sistap import __version__
+from sistap.cli import COMMANDS
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 BUNDLE = CHECKOUT / "capture/bundle"
@@ -106,6 +108,20 @@ def test_it_has_no_other_path_than_its_own(made: Path) -> None:
         "lib",
         "app",
     ]
+
+
+@pytest.mark.parametrize(("command", "page"), [("web", "sis.html"), ("help", "docs/index.html")])
+def test_a_command_opens_the_page_of_the_bundle(made: Path, tmp_path: Path, command: str, page: str) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(made / contents.NAME / "app"), "DISPLAY": "", "WAYLAND_DISPLAY": ""}
+    words = [sys.executable, "-m", "sistap", command]
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == (f"{(made / contents.NAME / page).as_uri()}\n", "")
+
+
+def test_every_command_is_tried() -> None:
+    """Under wine, in `check`; the installation with its scripts."""
+    typed = re.findall(r'(?:Command\(|bus=)"(\w+)', (BUNDLE / "trial.py").read_text("utf-8"))
+    assert set(typed) >= COMMANDS.keys() - {"install", "uninstall"}
 
 
 def test_what_windows_reads_has_its_line_ends(made: Path) -> None:

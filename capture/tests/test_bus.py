@@ -18,6 +18,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from commands import run
@@ -37,6 +38,7 @@ from sistap.sis.telegram import build, checksum_good, parse
 from sistap.wire import protocol
 
 if sys.platform != "win32":
+    from sistap.bus.wires import pseudo_terminal
     from sistap.bus.wires.pseudo_terminal import PseudoTerminal
 
 BUS = [sys.executable, "-m", "sistap", "bus"]
@@ -722,7 +724,8 @@ def test_before_it_closes_a_listener_has_time_to_read(monkeypatch: pytest.Monkey
     listener = os.open(terminal.name, os.O_RDONLY | os.O_NOCTTY)
     terminal.deliver(character_run(b"last words"))
     heard: list[bytes] = []
-    monkeypatch.setattr("time.sleep", lambda _: heard.append(read_exactly(listener, 10)))
+    while_waiting = SimpleNamespace(sleep=lambda _: heard.append(read_exactly(listener, 10)))
+    monkeypatch.setattr(pseudo_terminal, "time", while_waiting)
     terminal.close()
     assert heard == [b"last words"]
     os.close(listener)

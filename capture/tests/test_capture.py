@@ -57,7 +57,7 @@ if sys.platform != "win32":
 START_NS = 1_700_000_000_000_000_000
 ALL = list(TELEGRAMS.values())
 NO_FOLDER = "Permission denied" if WINDOWS else "Is a directory"
-DEADLINE_S = 30  # only reached when a test fails
+DEADLINE_S = 60  # only reached when a test fails
 
 
 class FakeReader:

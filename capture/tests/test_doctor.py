@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 import serial
+from portable import descriptors
 from real_driver import Driver
 
 from sistap import cli, doctor
@@ -120,8 +121,8 @@ def test_what_could_be_better_is_no_failure(
     assert code == 0
     for subject, cure in {
         "ports": "plug the adapter in",
-        "others": "ModemManager is running: it writes to new ports, looking for modems: `sudo systemctl stop",
-        "priority": "run sistap with sudo, or put `@dialout - rtprio 1` into /etc/security/limits.conf",
+        "others": "it writes to new ports, looking for modems: `systemctl stop ModemManager` as root",
+        "priority": "run sistap as root, or put `@dialout - rtprio 1` into /etc/security/limits.conf",
         "self-test": "run `sistap selftest` again",  # it was made with real-time priority
         "tshark": "`apt-get install wireshark`",
     }.items():
@@ -329,10 +330,10 @@ def test_a_port_is_let_go_and_its_lines_are_not_raised(
         return real(fd, request, *rest)  # type: ignore[call-overload]
 
     monkeypatch.setattr(fcntl, "ioctl", ioctl)
-    open_before = len(list(Path("/proc/self/fd").iterdir()))
+    open_before = descriptors()
     assert examined(capsys, "-i", port)[0] == 0
     assert set(lines) == {termios.TIOCMBIC}  # DTR and RTS down
-    assert len(list(Path("/proc/self/fd").iterdir())) == open_before
+    assert descriptors() <= open_before
     serial.Serial(port, exclusive=True).close()
 
 

@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
+from sistap.common import pages
 from sistap.web import help as handbook
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(handbook, "PLACES", (tmp_path / "nowhere/sis.html", tmp_path / "sis.html"))
+    monkeypatch.setattr(pages, "FOLDERS", (tmp_path / "nowhere", tmp_path))
     return tmp_path
 
 

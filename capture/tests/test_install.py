@@ -18,6 +18,7 @@ from portable import WINDOWS, compiled, posix, unpackaged
 import sistap.terminal.state
 from sistap import cli
 from sistap.install import command, shell, sources, uninstall
+from sistap.terminal import rights
 from sistap.terminal.advice import advice, shell_word
 from sistap.wireshark.tshark import NOBODY, TsharkError
 
@@ -292,6 +293,7 @@ def test_uninstall_names_what_wireshark_has_written_anew(root: Path, run: Run) -
 @posix("Windows has no such package")
 def test_uninstall_names_the_package(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(uninstall, "OF_PACKAGE", Path(uninstall.__file__).parent)
+    monkeypatch.setattr(rights, "needs_sudo", lambda: True)
     run("install")
     for said in (run("uninstall"), run("uninstall")):
         assert said[1].endswith("`sudo apt-get remove sistap` removes the Debian package\n")

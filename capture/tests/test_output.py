@@ -15,14 +15,17 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from portable import WINDOWS, fifos, modes, posix, take_over_zone, terminals
+from portable import descriptors, fifos, modes, posix, take_over_zone, terminals
 
 from sistap.files.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
 from sistap.terminal.console import leave_standard_output, never_waiting
 
 pytestmark = pytest.mark.tap
 
+PATIENCE_S = 60  # never waited for unless something is broken
+
 if sys.platform != "win32":
+    import fcntl
     import pty
     import resource
 
@@ -156,7 +159,7 @@ def test_a_pipe_that_nobody_reads_does_not_hold_up_a_stop(tmp_path: Path) -> Non
 
     thread = threading.Thread(target=write, daemon=True)
     thread.start()
-    thread.join(20)
+    thread.join(PATIENCE_S)
     assert not thread.is_alive()
     assert blocks >= 10
     os.close(reader)
@@ -178,7 +181,7 @@ def test_a_block_larger_than_the_pipe_does_not_hold_up_a_stop(tmp_path: Path) ->
 
     thread = threading.Thread(target=write, daemon=True)
     thread.start()
-    thread.join(20)
+    thread.join(PATIENCE_S)
     assert refused == [f"{fifo} is not being read; the last records are missing in it"]
     os.close(reader)
 
@@ -281,18 +284,13 @@ def test_a_new_capture_is_read_by_its_owner_and_its_group_at_most(tmp_path: Path
     assert [stat.S_IMODE(path.stat().st_mode) for path in (new, old)] == [mode, 0o664]
 
 
-def descriptors() -> int:
-    """Return how many descriptors are open."""
-    return 0 if WINDOWS else len(list(Path("/proc/self/fd").iterdir()))
-
-
 @posix("no locks")
 def test_a_file_that_another_capture_writes_leaves_nothing_open(tmp_path: Path) -> None:
     first = Output(str(tmp_path / "x"))
     before = descriptors()
     with pytest.raises(OutputRefused):
         Output(str(tmp_path / "x"))
-    assert descriptors() == before
+    assert descriptors() <= before
     first.close()
 
 
@@ -319,14 +317,15 @@ def test_a_shell_may_append_a_capture_to_a_file(tmp_path: Path, monkeypatch: pyt
     path.write_bytes(b"before, ")
     pieces: list[int] = []
 
-    def write(descriptor: int, data: bytes, real: Callable[[int, bytes], int] = os.write) -> int:
-        pieces.extend([len(data)] if data else [])
-        return real(descriptor, data)
-
-    monkeypatch.setattr(os, "write", write)
     with standard_output(os.open(path, os.O_WRONLY | os.O_APPEND)):
         Output("-").close()
         output = Output("-")
+
+        def write_some(data: memoryview, real: Callable[[memoryview], int] = output._file.write_some) -> int:
+            pieces.append(len(data))
+            return real(data)
+
+        monkeypatch.setattr(output._file, "write_some", write_some)
         output.begin()
         output.write(b"x" * 100_000)
         output.close()
@@ -391,12 +390,11 @@ def test_two_captures_may_be_appended_to_one_file(tmp_path: Path) -> None:
 class Announced:
     """Replaces poll: says whether a pipe accepts data, and remembers the requested time-out."""
 
-    def __init__(self, *takes: bool) -> None:
+    def __init__(self, output: Output, monkeypatch: pytest.MonkeyPatch, *takes: bool) -> None:
         self.waited_ms: list[float] = []
         self._takes = iter(takes)
-
-    def register(self, descriptor: int, events: int) -> None:
-        self._events = [(descriptor, events)]
+        self._events = [(output._file.descriptor, select.POLLOUT)]
+        monkeypatch.setattr(output._file, "_poll", self)
 
     def poll(self, wait_ms: float) -> list[tuple[int, int]]:
         self.waited_ms.append(wait_ms)
@@ -420,9 +418,8 @@ def pipe(tmp_path: Path) -> Iterator[Pipe]:
 @fifos
 def test_it_waits_for_a_reader_a_tenth_of_a_second_at_a_time(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
     path, reader = pipe
-    announced = Announced(False, False, True)
-    monkeypatch.setattr(select, "poll", lambda: announced)
     output = Output(str(path))
+    announced = Announced(output, monkeypatch, False, False, True)
     output.write(b"abc")
     assert os.read(reader, 10) == b"abc"
     assert announced.waited_ms == [100] * 3
@@ -430,17 +427,17 @@ def test_it_waits_for_a_reader_a_tenth_of_a_second_at_a_time(pipe: Pipe, monkeyp
 
 @fifos
 def test_looking_for_the_reader_does_not_wait(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
-    announced = Announced(False)
-    monkeypatch.setattr(select, "poll", lambda: announced)
-    Output(str(pipe[0])).check()
+    output = Output(str(pipe[0]))
+    announced = Announced(output, monkeypatch, False)
+    output.check()
     assert announced.waited_ms == [0]
 
 
 @fifos
 def test_a_stop_cuts_off_no_block_that_is_being_read(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
     path, reader = pipe
-    monkeypatch.setattr(select, "poll", Announced)
     output = Output(str(path), stopped=lambda: True)
+    Announced(output, monkeypatch)
     block = os.urandom(100_000)
 
     def write() -> None:
@@ -458,30 +455,26 @@ def test_a_stop_cuts_off_no_block_that_is_being_read(pipe: Pipe, monkeypatch: py
 
 @fifos
 def test_a_terminal_that_promises_too_much_is_tried_again(pipe: Pipe, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A full pipe plays it: it says that it has room, and has none until somebody reads."""
     path, reader = pipe
     output = Output(str(path))
-    refusals = 3
-    slept: list[float] = []
+    descriptor = output._file.descriptor
+    os.set_blocking(descriptor, False)  # as that of a terminal
+    full = fcntl.fcntl(descriptor, fcntl.F_GETPIPE_SZ)
+    assert os.write(descriptor, bytes(full)) == full
 
-    # A thread that another test left behind may write and sleep too: only this thread's calls count.
-    here = threading.get_ident()
+    class Promising(Announced):
+        def poll(self, wait_ms: float) -> list[tuple[int, int]]:
+            if len(self.waited_ms) == 3:
+                assert os.read(reader, full) == bytes(full)
+            return super().poll(wait_ms)
 
-    def write(descriptor: int, data: bytes, real: Callable[[int, bytes], int] = os.write) -> int:
-        if threading.get_ident() == here and len(slept) < refusals:
-            raise BlockingIOError
-        return real(descriptor, data)
-
-    def sleep(seconds: float, real: Callable[[float], None] = time.sleep) -> None:
-        if threading.get_ident() == here:
-            slept.append(seconds)
-        else:
-            real(seconds)
-
-    monkeypatch.setattr(os, "write", write)
-    monkeypatch.setattr(time, "sleep", sleep)
+    promising = Promising(output, monkeypatch)
+    begun = time.monotonic()
     output.write(b"abc")
+    assert time.monotonic() - begun >= 0.03  # a hundredth of a second after each refusal
     assert os.read(reader, 10) == b"abc"
-    assert slept == [0.01] * refusals
+    assert len(promising.waited_ms) == 4
 
 
 # -- Several files --------------------------------------------------------------------------------------------------
@@ -581,7 +574,7 @@ def test_the_summary_names_all_files_that_are_there(tmp_path: Path) -> None:
     go_on(output)
     kept = rf"3 files, of which the last 2 were kept: {base}_00002_\d+ to {base}_00003_\d+"
     assert re.fullmatch(kept, output.summary)
-    assert descriptors() == before  # those of the files before are closed
+    assert len(descriptors()) <= len(before)  # those of the files before are closed
     output.close()
 
 

@@ -418,7 +418,7 @@ def tapped(path: Path, *bus: str) -> list[Record]:
         assert playing.stdout
         name = playing.stdout.readline().strip()
         assert cli.main(["capture", "-i", name, "--framing", "3964r", "-w", str(path), "-q"]) == 1  # the bus has ended
-        playing.wait(20)
+        playing.wait(60)
     found = [one for one in records(path) if one.type != Type.EVENT]
     return sorted(found, key=lambda one: one.time_ns)  # the tap waits half a second for the other line, not longer
 

@@ -21,6 +21,7 @@ import pytest
 import serial
 from hypothesis import given
 from hypothesis import strategies as st
+from portable import descriptors
 from real_driver import Driver
 
 from sistap.line import ports
@@ -50,7 +51,7 @@ SETTINGS = LineSettings(115200)
 LATENCY = 300_000  # as if measured, ns
 TCGETS2 = 0x802C542A  # Linux: <asm-generic/ioctls.h>
 START_NS = 1_700_000_000_000_000_000
-PATIENCE_S = 10  # never waited for unless something is broken
+PATIENCE_S = 60  # never waited for unless something is broken
 
 
 @pytest.fixture(autouse=True)
@@ -871,9 +872,9 @@ def test_measuring_leaves_nothing_open_and_gives_a_time(monkeypatch: pytest.Monk
     monkeypatch.undo()
     measured = computer.computer()
     assert 0 < measured.late_ns < UNCERTAINTY_UNKNOWN
-    open_before = len(list(Path("/proc/self/fd").iterdir()))
+    open_before = descriptors()
     assert computer.computer() is measured  # a property of the process, not of a port
-    assert len(list(Path("/proc/self/fd").iterdir())) == open_before
+    assert descriptors() <= open_before
 
 
 def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -887,13 +888,13 @@ def test_a_signal_while_measuring_leaves_the_writer_nothing_to_stumble_over(monk
         raise KeyboardInterrupt
 
     monkeypatch.setattr(delay, "_read", interrupted)
-    open_before = len(list(Path("/proc/self/fd").iterdir()))
+    open_before = descriptors()
     computer.computer.cache_clear()
     with pytest.raises(KeyboardInterrupt):
         computer.computer()
     writers[0].join(PATIENCE_S)
     assert not stumbled
-    assert len(list(Path("/proc/self/fd").iterdir())) == open_before
+    assert descriptors() <= open_before
 
 
 def test_measuring_takes_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -66,6 +66,26 @@ def test_limits_told_to_the_capture_are_named(tmp_path: Path) -> None:
     assert "The limits TzA = 8 ms, TrS = 40 ms were given for this capture" in text
 
 
+LOG = """\
+14.03.2013 08:21:14.641 [TX] - 02 6C 00 00 00 92 00 00
+14.03.2013 08:21:14.677 [RX] - 02 56 02 02 10 92 00 00 00 02
+"""
+
+
+def test_a_log_has_no_intervals(tmp_path: Path) -> None:
+    """Nobody knows when each character came: there are neither zeros nor bounds of them, but of the reaction."""
+    (tmp_path / "log.txt").write_text(LOG)
+    assert run(tmp_path, "annotate", "log.txt", "-w", "log.pcapng").returncode == 0
+    text = report(tmp_path, "log.pcapng", "--format", "text").stdout
+    assert "16 of 16 intervals in telegrams: their length is not known" in text
+    assert "by place" not in text and "by talker" not in text and "0.000 ms" not in text
+    figures = json.loads(report(tmp_path, "log.pcapng", "--format", "json").stdout)
+    assert figures["clock"]["intervals_in_one_read"] == 16
+    assert (figures["tza_by_talker"], figures["tza_by_character"], figures["intervals"]) == ([], [], {"count": 0})
+    assert [one["longest_pause_s"] for one in figures["stations"]] == [None]
+    assert [one["reaction_times"]["longest_s"] for one in figures["stations"]] == [0.036]
+
+
 @pytest.mark.thorough
 def test_a_title_and_a_note_stand_above(tmp_path: Path, capture: Path) -> None:
     words = ("--title", "Press <4>", "--note", "Stops at night\nsince May")

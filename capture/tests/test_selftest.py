@@ -24,7 +24,7 @@ from sistap.line import measurement
 from sistap.line.reader import delay
 
 MS = 1_000_000
-PATIENCE_S = 30  # only reached when a test fails
+PATIENCE_S = 60  # only reached when a test fails
 
 
 @pytest.fixture

@@ -26,7 +26,7 @@ from report_capture import BUS, write
 from specification import TELEGRAMS
 from usb_captures import STATUS, ftdi
 
-PATIENCE_S = 30  # only reached when a test fails
+PATIENCE_S = 60  # only reached when a test fails
 BURST = 30
 IMPORTING_S, RUNNING_S = (0.0, 0.15), (0.15, 0.5)  # as long as most commands import, and what then comes
 

@@ -153,6 +153,15 @@ def test_rows_of_alike_packets_are_as_if_each_were_alone(tshark: Tshark, tmp_pat
     assert sorted(orders) == ["events", "telegrams", "values"]
 
 
+def test_of_a_telegram_in_one_read_no_interval_is_known(tshark: Tshark, tmp_path: Path) -> None:
+    one_read = {place: Flag.SAME_READ for place in range(2, len(KNOWN[0].data) + 1)}
+    path = write(tmp_path / "x.pcapng", [KNOWN[0]._replace(flags=one_read), KNOWN[0]])
+    with Dissection(tshark, [Portion(path)], FIELDS) as dissection:
+        rows = [row for packet in dissection.packets() for row in Rows("x").of(packet)]
+    longest_s = [row.values["longest_interval_s"] for row in rows if row.table == "telegrams"]
+    assert longest_s == [None, pytest.approx(11 / 9600, abs=1e-6)]
+
+
 def test_values_and_events(made: Path) -> None:
     rows = asked(made, "SELECT * FROM all_values WHERE tap = 'press' ORDER BY epoch_ns")
     columns = (

@@ -518,11 +518,10 @@ def test_a_server_that_hangs_delays_nothing(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(values_module, "PATIENCE_S", 0.1)
     said: list[str] = []
     kept, values = hanging(monkeypatch, said)
-    began_s = time.monotonic()
     for number in range(1, 31):
         values.put(number, [access()])
-    assert time.monotonic() - began_s < 1
     values.close()
+    assert not kept.may_go.is_set() and not kept.is_closed  # it hangs still
     assert said == ["31 values could not be delivered to a server"]
     kept.may_go.set()
     wait_until(lambda: kept.is_closed)

@@ -22,6 +22,7 @@ import pytest
 from portable import terminals
 
 from sistap import cli
+from sistap.common import pages
 from sistap.web import command
 from sistap.web.command import Server, with_tap
 from sistap.web.listen import Listening
@@ -43,7 +44,7 @@ def test_without_a_port_it_names_the_page(
     page: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     shown: list[str] = []
-    monkeypatch.setattr(command, "PLACES", (page.with_name("none"), page))
+    monkeypatch.setattr(pages, "FOLDERS", (page.with_name("none"), page.parent))
     monkeypatch.setattr(webbrowser, "open", shown.append)
     monkeypatch.setenv("DISPLAY", ":0")
     assert cli.main(["web"]) == 0
@@ -54,7 +55,7 @@ def test_without_a_port_it_names_the_page(
 def test_without_the_page_it_says_how_to_make_it(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(command, "PLACES", ())
+    monkeypatch.setattr(pages, "FOLDERS", ())
     assert cli.main(["web"]) == 1
     assert "`./bootstrap page`" in capfd.readouterr().err
 
@@ -73,8 +74,8 @@ def served(page: Path) -> Iterator[tuple[str, int]]:
     ours, theirs = os.openpty()
     tty.setraw(theirs)
     code = (
-        "import sys; from pathlib import Path; from sistap import cli; from sistap.web import command;"
-        "command.PLACES = (Path(sys.argv[1]),); sys.exit(cli.main(['web', '-q', '-i', sys.argv[2]]))"
+        "import sys; from pathlib import Path; from sistap import cli; from sistap.common import pages;"
+        "pages.FOLDERS = (Path(sys.argv[1]).parent,); sys.exit(cli.main(['web', '-q', '-i', sys.argv[2]]))"
     )
     environment = {
         **os.environ,

@@ -26,6 +26,7 @@ from sistap import cli
 from sistap.analyser import probe
 from sistap.bus.wires import place, port
 from sistap.capture.filter import FilterError, candidates, opened
+from sistap.common import pages
 from sistap.files.output import Output, ReaderGone
 from sistap.install import shell, userpath
 from sistap.line import measurement, ports
@@ -268,6 +269,14 @@ def registry(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> dict[object, st
     return known
 
 
+def test_a_device_that_windows_calls_new_is_not_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`sistap record` without a ring writes to `nul`: to remove that would fail."""
+    (tmp_path / "nul").touch()
+    monkeypatch.setattr("sistap.files.output._open", lambda *_, **__: (os.open(os.devnull, os.O_WRONLY), True))
+    Output(str(tmp_path / "nul")).close()
+    assert (tmp_path / "nul").exists()
+
+
 @pytest.mark.usefixtures("windows", "registry")
 def test_no_program_is_taken_from_the_current_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     put(tmp_path / "here/sistap.exe")
@@ -284,9 +293,16 @@ def test_no_program_is_taken_from_the_current_folder(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.usefixtures("windows")
-def test_wireshark_is_found_where_its_installer_has_put_it(registry: dict[object, str], tmp_path: Path) -> None:
+def test_wireshark_is_found_where_its_installer_has_put_it(
+    registry: dict[object, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pages, "FOLDERS", (tmp_path,))
     with pytest.raises(TsharkError, match="^no Wireshark was found: .* sistap install --wireshark FOLDER$"):
         Tshark()
+    page = put(tmp_path / "sis.html")
+    with pytest.raises(TsharkError) as refused:
+        Tshark()
+    assert str(refused.value).endswith(f"; without it, {page} explains logs and captures in a browser")
     default = put(tmp_path / "Program Files/Wireshark/wireshark.exe")
     with pytest.raises(TsharkError, match="^tshark is not on PATH; .* tick TShark$"):
         Tshark()

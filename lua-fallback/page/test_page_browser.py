@@ -622,8 +622,8 @@ def test_the_tap_of_this_computer(window: Chromium, page: Path) -> None:
     ours, theirs = os.openpty()
     tty.setraw(theirs)
     code = (
-        "import sys; from pathlib import Path; from sistap import cli; from sistap.web import command;"
-        "command.PLACES = (Path(sys.argv[1]),); sys.exit(cli.main(['web', '-q', '-i', sys.argv[2]]))"
+        "import sys; from pathlib import Path; from sistap import cli; from sistap.common import pages;"
+        "pages.FOLDERS = (Path(sys.argv[1]).parent,); sys.exit(cli.main(['web', '-q', '-i', sys.argv[2]]))"
     )
     package = str(Path(command.__file__).parents[2])
     environment = {**os.environ, "PYTHONPATH": package, "DISPLAY": "", "WAYLAND_DISPLAY": ""}

@@ -52,8 +52,8 @@ count_intervals(stats_tree *tree, const sertap_record_t *record)
     for (unsigned i = 1; i < record->timed; i++) {
         int us;
 
-        if (compat_get_uint8(record->tvb, record->flags_offset + i) & SERTAP_ERROR_LOST)
-            continue;
+        if (compat_get_uint8(record->tvb, record->flags_offset + i) & (SERTAP_ERROR_LOST | SERTAP_SAME_READ))
+            continue; /* its length is not known */
         us = (int)(tvb_get_ntohl(record->tvb, record->times_offset + 4 * i) / 1000);
         tick_stat_node(tree, intervals_name, 0, TRUE); /* the next line adds up here, but does not count */
         stats_tree_tick_range(tree, intervals_name, 0, us);

@@ -99,7 +99,7 @@ MORE = [
     Command("tshark -D", "SIS demo bus"),
     Command("tshark -i sistap-demo -a duration:4 -f 'link[5] == 0x1f'", "Write parameter"),
     Command("sistap install", "all users have it"),
-    Command("sistap uninstall", "sudo apt-get remove sistap"),
+    Command("sistap uninstall", "apt-get remove sistap"),
 ]
 
 REMOVED = [Command("apt-get remove sistap"), Command("rm -r /opt/sis")]

@@ -24,6 +24,7 @@ from sistap.records.counters import Counters
 from sistap.records.record import LARGEST_RATE
 from sistap.sis.rates import RATES
 from sistap.terminal.console import Console, visible
+from sistap.terminal.rights import as_typed
 from sistap.terminal.stop import Stopped
 
 PATIENCE_S = 5  # time for Wireshark to open its ends of the pipes
@@ -106,7 +107,7 @@ class Toolbar:
 
     def say(self, text: str) -> None:
         """Show a line in the log and, for a while, in the status bar."""
-        text = visible(text)
+        text = visible(as_typed(text))
         self._send(_LOG, _ADD, f"{time.strftime('%H:%M:%S')}  {text}\n")
         self._send(_LOG, _STATUS_BAR, f"sistap: {text}")
 

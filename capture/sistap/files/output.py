@@ -339,8 +339,8 @@ class _File:
 
     @property
     def is_new_and_empty(self) -> bool:
-        """Tell whether the file is new and still empty."""
-        return self._created and not self.size
+        """Tell whether the file is new and still empty. Windows says of `nul`, too, that it is new."""
+        return self._created and self.regular and not self.size
 
     @property
     def deserted(self) -> bool:

@@ -13,6 +13,7 @@ from sistap.terminal import programs
 from sistap.terminal.advice import advice
 from sistap.terminal.console import Console, visible
 from sistap.terminal.exits import DONE, FAILED
+from sistap.terminal.rights import as_typed
 from sistap.terminal.state import is_root
 from sistap.terminal.stop import held
 from sistap.wireshark import folders, profile
@@ -39,7 +40,7 @@ OF_PACKAGE = Path("/usr/share/sistap")
 
 def _package() -> str:
     """Return how to remove what runs, if it is of a package of this system."""
-    return advice().package if Path(__file__).is_relative_to(OF_PACKAGE) else ""
+    return as_typed(advice().package) if Path(__file__).is_relative_to(OF_PACKAGE) else ""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -57,7 +57,6 @@ class Station:
     times: Distribution = field(default_factory=Distribution)  # of its reactions
     trs: Limit = field(default_factory=Limit)
     tza: Limit = field(default_factory=Limit)
-    longest_pause_s: float = 0.0
 
 
 @dataclass
@@ -67,7 +66,6 @@ class Exactness:
     least_s: float = math.inf
     most_s: float = 0.0
     unknown: int = 0  # records without an uncertainty
-    same_read: int = 0  # intervals inside telegrams whose two characters came in one read
 
     def add(self, packets: Sequence[Packet]) -> None:
         """Count records of characters."""
@@ -183,9 +181,6 @@ class Figures:
             if not packet.errors & LOST:
                 for one in packets:
                     self.frame_intervals.add(one.intervals_s)
-        # The time in which characters were lost is none between neighbours.
-        if packet.telegrams and not packet.errors & LOST:
-            self.exactness.same_read += packet.same_read * count
 
     def _add_telegrams(self, packets: Sequence[Packet], telegrams: Sequence[Telegram], at: int) -> None:
         telegram = telegrams[0]
@@ -234,4 +229,3 @@ class Figures:
             station.trs.add(reactions[0], len(reactions))
         if pauses:
             station.tza.add(pauses[0], len(pauses))
-            station.longest_pause_s = max(station.longest_pause_s, *(one.time_s for one in pauses))

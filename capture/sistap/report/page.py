@@ -279,7 +279,7 @@ def _curve(drawing: Drawing, listed: Listed, name: str) -> str:
 
 
 def _times(report: Report) -> str:
-    count = report.figures.exactness.same_read
+    count = report.figures.pauses.same_read
     text = _INTERVALS + (_SAME_READ.format(count=count) if count else "")
     figures = _figure(plots.intervals(report), "intervals", text)
     figures += _figure(plots.reactions(report), "reactions", _REACTIONS)

@@ -117,7 +117,10 @@ def _report(report: Report) -> dict[str, Any]:
             | {"trs": _limit(service.trs)}
             for number, service in sorted(figures.services.items())
         ],
-        "stations": [_station(address, station) for address, station in sorted(figures.stations.items())],
+        "stations": [
+            _station(address, station) | {"longest_pause_s": figures.pauses.longest_s(address) or None}
+            for address, station in sorted(figures.stations.items())
+        ],
         "parameters": [_parameter(listed) for listed in figures.parameters],
         "windows": [_window(window) for window in report.windows],
     }
@@ -129,7 +132,7 @@ def _clock(figures: Figures) -> dict[str, Any]:
         "uncertainty_least_s": clock.least_s if clock.is_known else None,
         "uncertainty_most_s": clock.most_s if clock.is_known else None,
         "records_without_uncertainty": clock.unknown,
-        "intervals_in_one_read": clock.same_read,
+        "intervals_in_one_read": figures.pauses.same_read,
     }
 
 
@@ -193,7 +196,6 @@ def _station(address: int, station: Station) -> dict[str, Any]:
         "sent_again": station.repeats,
         "not_answered": station.unanswered,
         "reaction_times": _distribution(station.times),
-        "longest_pause_s": station.longest_pause_s or None,
         "trs": _limit(station.trs),
         "tza": _limit(station.tza),
     }

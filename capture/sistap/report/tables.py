@@ -221,8 +221,8 @@ def _uncertainty(figures: Figures) -> str:
 
 
 def _same_read(figures: Figures) -> str:
-    same_read = figures.exactness.same_read
-    return f"{same_read} of {figures.pauses.intervals.count} intervals in telegrams: their length is not known"
+    same_read = figures.pauses.same_read
+    return f"{same_read} of {figures.pauses.count} intervals in telegrams: their length is not known"
 
 
 def events(report: Report) -> Table:
@@ -378,7 +378,8 @@ def stations(report: Report) -> Table:
         counts = [station.commands, station.reactions, station.errors, station.repeats, station.unanswered]
         reactions = [_measured(time_s, times) for time_s in (times.within_s(0.5), times.longest_s)]
         shown = reactions if station.reactions else ["", ""]
-        pause = ms(station.longest_pause_s) if station.longest_pause_s else ""
+        longest_s = report.figures.pauses.longest_s(address)
+        pause = ms(longest_s) if longest_s else ""
         exceeded = [_count(limit, EXCEEDED) for limit in (station.trs, station.tza)]
         rows.append((str(address), *map(str, counts), *shown, pause, *exceeded))
     heads = ("Station", "Commands", "Reactions", "With an error", "Sent again", "Not answered")

@@ -19,6 +19,8 @@ import sys
 import weakref
 from typing import Protocol
 
+from sistap.terminal.rights import as_typed
+
 _FIRST_BYTE, _LAST_BYTE = 0xDC80, 0xDCFF  # how Python decodes a byte of a name that is not UTF-8
 
 
@@ -126,7 +128,7 @@ class Console:
 
     def say(self, text: str) -> None:
         """Print one line."""
-        self._print((_ERASE if self._progress else "") + f"sistap: {visible(text)}\n", _WAIT_MS)
+        self._print((_ERASE if self._progress else "") + f"sistap: {visible(as_typed(text))}\n", _WAIT_MS)
         self._progress = False
 
     def alarm(self, text: str) -> None:

@@ -20,6 +20,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from sistap.common import pages
 from sistap.line.clock import CLOCK
 from sistap.line.reader import PortError
 from sistap.serve.command import add_line, line_of, serve
@@ -139,13 +140,6 @@ class _Handler(BaseHTTPRequestHandler):
 
 # -- The command -----------------------------------------------------------------------------------------------------
 
-NAME = "sis.html"
-PLACES = (
-    Path(__file__).resolve().parents[3] / "build" / NAME,
-    Path(__file__).resolve().parents[2] / NAME,
-    Path("/usr/share/doc/sistap", NAME),
-)
-
 DESCRIPTION = """\
 Open the page: Wireshark with the dissector, sistap and the course in one file for a browser. With -i the page also
 hears a port of this computer. So it can listen in a browser that cannot read serial ports, such as Safari, and the
@@ -178,9 +172,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Open the page; with a port, share that until a signal comes. Return the exit code. May raise PortError."""
     console = Console()
-    page = next(filter(Path.is_file, PLACES), None)
+    page = pages.found(pages.PAGE)
     if page is None:
-        console.say(f"{NAME} is not here: `./bootstrap page` in the sources of sistap makes it")
+        console.say(f"{pages.PAGE} is not here: `./bootstrap page` in the sources of sistap makes it")
         return FAILED
     if not args.port:
         print(page.as_uri(), flush=True)

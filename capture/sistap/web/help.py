@@ -4,13 +4,11 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
+from sistap.common import pages
 from sistap.terminal.console import Console
 from sistap.terminal.exits import DONE, FAILED
-from sistap.web.command import PLACES, show
-
-FIRST = Path("docs/index.html")  # beside the page for a browser
+from sistap.web.command import show
 
 DESCRIPTION = """\
 Open the handbook in a browser: how to wire a tap, what to do when something is wrong, every command, every warning and
@@ -25,10 +23,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(_: argparse.Namespace) -> int:
     """Open the handbook; return the exit code."""
-    pages = [place.parent / FIRST for place in PLACES]
-    page = next(filter(Path.is_file, pages), None)
+    page = pages.found(pages.HANDBOOK)
     if page is None:
-        Console().say(f"{FIRST.as_posix()} is not here: `./bootstrap docs` in the sources of sistap makes it")
+        Console().say(f"{pages.HANDBOOK} is not here: `./bootstrap docs` in the sources of sistap makes it")
         return FAILED
     print(page.as_uri(), flush=True)
     show(page.as_uri())

@@ -23,7 +23,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, NamedTuple
 
-from sistap.common import temporary
+from sistap.common import pages, temporary
 from sistap.common.complaints import Complaints
 from sistap.terminal import programs
 from sistap.terminal.advice import advice
@@ -139,7 +139,9 @@ def found(name: str) -> str:
     if path := programs.of_wireshark(name):
         return path
     if advice().no_wireshark and not programs.of_wireshark("wireshark"):
-        raise TsharkError(f"no Wireshark was found: {advice().no_wireshark}")
+        page = pages.found(pages.PAGE)
+        instead = f"; without it, {page} explains logs and captures in a browser" if page else ""
+        raise TsharkError(f"no Wireshark was found: {advice().no_wireshark}{instead}")
     cure = advice().wireshark if name == "wireshark" else advice().tshark
     raise TsharkError(f"{name} is not on PATH; {cure}")
 
