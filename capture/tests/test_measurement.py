@@ -14,7 +14,7 @@ import pytest
 
 from sistap.line import measurement, ports, priority
 from sistap.line.measurement import MACHINE, Conditions, Result
-from sistap.line.reader import delay, latency
+from sistap.line.reader import computer, delay, latency
 from sistap.line.reader.computer import Still
 from sistap.line.reader.contract import STEP_MS
 from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
@@ -26,7 +26,7 @@ FTDI = ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=1, serial="A50285
 UNKNOWN = ports.Adapter("CP2102", "cp210x", serial="0001")
 SETTINGS = LineSettings(9600)
 MEASURED_NS = 400_000  # when a capture starts
-MEASURING = latency.computer.__wrapped__  # which remembers nothing
+MEASURING = computer.computer.__wrapped__  # which remembers nothing
 
 
 def result(p999_ns: int = 250_000, place: str = MACHINE, conditions: Conditions = HERE) -> Result:
