@@ -30,6 +30,8 @@ ALLOWED = (
         ),
         r'<proto name="_ws.short" showname="\1" size="0" pos="0"/>',
     ),
+    # From 4.6 on, Wireshark itself may say so after Lua, too.
+    (re.compile(r'<proto name="_ws.short" ([^\n]*) pos="\d+"/>\n *(?=<proto name="_ws.short" \1 pos="0"/>)'), ""),
     # The length of a unit of which the capture has cut the end: TCP gets another one from Lua.
     (re.compile(r'^ *<field name="tcp.pdu.size" [^\n]*\n', re.MULTILINE), ""),
     # Wireshark puts a hidden item before everything that Lua dissects.
