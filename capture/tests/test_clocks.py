@@ -54,9 +54,9 @@ def test_all_of_sistap_has_one_steady_clock(monkeypatch: pytest.MonkeyPatch) -> 
     from sistap import windows
     from sistap.bus.wires import wire
     from sistap.capture import session
-    from sistap.line.reader import latency, pyserial, several
+    from sistap.line.reader import computer, pyserial, several
 
-    modules: list[ModuleType] = [wire, session, latency, several, pyserial, windows]
+    modules: list[ModuleType] = [wire, session, computer, several, pyserial, windows]
     if sys.platform != "win32":
         from sistap.line.reader import delay, device
 

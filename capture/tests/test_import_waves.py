@@ -586,7 +586,7 @@ def test_without_a_row_at_the_end_the_last_character_is_complete(tmp_path: Path)
 
 @pytest.mark.parametrize(
     ("name", "cure"),
-    [("metadata", "`sistap import` reads it"), ("header", "`sistap import` reads it"), ("meta.json", "as CSV")],
+    [("metadata", "`sistap import "), ("header", "`sistap import "), ("meta.json", "as CSV")],
 )
 def test_a_zip_of_an_analyser_is_not_to_be_unpacked(tmp_path: Path, name: str, cure: str) -> None:
     """What all commands say of it that cannot read it."""

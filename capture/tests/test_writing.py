@@ -165,14 +165,14 @@ def test_tables_are_for_those_who_may_read_the_capture(place: Path) -> None:
 def test_that_it_cannot_be_written_is_noticed_before_the_work(place: Path, command: str) -> None:
     """What is to be read is no good either, but only the work would notice that."""
     for source in ("day.pcapng", "table.csv", "log.txt"):
-        (place / source).write_text("this is no capture at all, just a text\n" * 9 + "0" * 19)
+        (place / source).write_text("\0this is no capture at all, nor a text\n" * 9 + "0" * 19)
     missing = str(Path("no", NAME))
     refused(place, [*words(command)[:-1], missing], missing, "No such file or directory")
 
 
 @posix("no /proc")
 def test_that_a_folder_cannot_be_written_is_noticed_before_the_work(place: Path) -> None:
-    refused(place, ["tables", "log.txt", "-o", "/proc"], "cannot write /proc")
+    refused(place, ["tables", "day.pcapng", "-o", "/proc"], "cannot write /proc")
 
 
 @fifos
