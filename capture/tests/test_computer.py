@@ -99,21 +99,30 @@ def test_a_wake_that_comes_late_is_seen_at_once(line: tuple[int, str], monkeypat
 
 
 def test_a_reader_that_was_busy_itself_says_nothing_about_the_computer() -> None:
-    measured = Computer([7])
-    end = time.monotonic() + PATIENCE_S
-    while not waiting(measured) and time.monotonic() < end:
-        time.sleep(0.001)
+    measured = sent()
     assert measured.read_now(0) == []
     assert measured.late_ns == 7
 
 
-def test_if_nobody_polls_one_character_waits() -> None:
+def test_one_character_is_under_way() -> None:
+    measured = sent()
+    measured.before_sleep(time.monotonic_ns() + LATE_NS)
+    time.sleep(0.02)
+    assert waiting(measured) == 1
+    measured.read_now(1)
+    measured.before_sleep(0)  # not due yet
+    time.sleep(0.02)
+    assert waiting(measured) == 0
+
+
+def sent() -> Computer:
+    """Return a computer whose character waits."""
     measured = Computer([7])
+    measured.before_sleep(time.monotonic_ns())
     end = time.monotonic() + PATIENCE_S
     while not waiting(measured) and time.monotonic() < end:
-        time.sleep(0.001)
-    time.sleep(0.02)  # in which twenty could have been sent
-    assert waiting(measured) == 1
+        time.sleep(0.001)  # the buffer of a terminal cannot be waited for
+    return measured
 
 
 def waiting(measured: Computer) -> int:

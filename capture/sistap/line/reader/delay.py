@@ -108,7 +108,8 @@ def _characters(start: int, count: int) -> bytes:
 class Computer:
     """Sends characters to itself and sees them as late as those of a port: whoever polls ports polls this, too.
 
-    Its bound is p99.9 of the last KEPT characters, or the delay of the very last one, if that is longer.
+    The sender is the thread that polls: another one would hold Python's lock while it waits for a processor, and that
+    would count. Its bound is p99.9 of the last KEPT characters, or the delay of the very last one, if that is longer.
     """
 
     def __init__(self, delays: Iterable[int]) -> None:
@@ -119,8 +120,9 @@ class Computer:
         self._delays = deque(delays, KEPT)
         self._ordered = sorted(self._delays)
         self._last_ns = 0
-        self._sent_ns = 0  # when the character was sent that nobody has seen; 0: there is none
-        threading.Thread(target=self._send, daemon=True).start()
+        self._random = random.Random()  # of its own: a program may seed the common one
+        self._due_ns = 0  # when the next character is sent, at the earliest
+        self._sent_ns = 0  # when the one was sent that nobody has seen; 0: there is none
 
     @property
     def late_ns(self) -> int:
@@ -131,6 +133,14 @@ class Computer:
     def fileno(self) -> int:
         """Return the descriptor to poll."""
         return self._slave
+
+    def before_sleep(self, now_ns: int) -> None:
+        """Send a character now and then, one at a time. Whoever calls this polls at once, and sleeps until it comes."""
+        if now_ns < self._due_ns or self._sent_ns:
+            return
+        self._due_ns = now_ns + int(self._random.uniform(*_PAUSES_S) * 1e9)
+        self._sent_ns = monotonic_ns()
+        os.write(self._master, b"@")
 
     def read_now(self, slept_ns: int) -> list[Read]:
         """Note how late a character is seen, if the process slept until it came."""
@@ -155,12 +165,3 @@ class Computer:
         self._delays.append(delay_ns)
         insort(self._ordered, delay_ns)
         self._last_ns = delay_ns
-
-    def _send(self) -> None:
-        """Send a character now and then, one at a time: if nobody polls, nothing piles up."""
-        source = random.Random()  # of its own: a program may seed the common one
-        while True:
-            time.sleep(source.uniform(*_PAUSES_S))
-            if not self._sent_ns:
-                self._sent_ns = monotonic_ns()
-                os.write(self._master, b"@")

@@ -17,7 +17,7 @@ from sistap.line.reader.contract import READ_SIZE, PortLost
 from sistap.line.reader.delay import Computer
 from sistap.line.reader.errors import Counts, Errors
 from sistap.line.reader.opening import change_device, open_device, true_rate
-from sistap.line.reader.several import Polled, PolledReaders
+from sistap.line.reader.several import Beside, PolledReaders
 from sistap.line.reader.trouble import lost_text
 from sistap.line.reader.tuning import Tuning
 from sistap.line.settings import Flag, LineSettings, Read
@@ -70,7 +70,7 @@ class PosixReader:
         return self._alone.read(timeout_s)
 
     @property
-    def beside(self) -> Polled | None:
+    def beside(self) -> Beside | None:
         """Return what is polled together with this port, to know how late it is read."""
         computer = self._known.computer
         return computer if isinstance(computer, Computer) else None

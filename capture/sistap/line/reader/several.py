@@ -54,12 +54,19 @@ class Polled(Protocol):
         """Stop holding characters back: return them."""
 
 
+class Beside(Polled, Protocol):
+    """What is polled together with a port, and knows when the caller is about to sleep."""
+
+    def before_sleep(self, now_ns: int) -> None:
+        """Do what has to be done before a sleep."""
+
+
 @runtime_checkable
 class Pollable(Polled, Reader, Protocol):
     """A reader that a caller can poll."""
 
     @property
-    def beside(self) -> Polled | None:
+    def beside(self) -> Beside | None:
         """Return what is polled together with this reader, and before it."""
 
 
@@ -95,6 +102,7 @@ class PolledReaders:
 
     def __init__(self, readers: Sequence[Pollable]) -> None:
         self._readers: dict[int, Polled] = {}
+        self._beside: set[Beside] = set()
         self._poll = select.poll()
         for reader in readers:
             self.add(reader)
@@ -104,6 +112,8 @@ class PolledReaders:
     def add(self, reader: Reader) -> None:
         """Add a reader, which must be Pollable."""
         assert isinstance(reader, Pollable)
+        if reader.beside:
+            self._beside.add(reader.beside)
         for polled in filter(None, (reader.beside, reader)):  # poll returns them in this order
             self._readers[polled.fileno()] = polled
             self._poll.register(polled.fileno(), _TO_READ)
@@ -131,6 +141,8 @@ class PolledReaders:
     def _look(self, step_ms: float, *, has_slept: bool = False) -> bool:
         """Take what comes within the step; tell whether anything did. `has_slept`: the process has, just before."""
         asked_ns = monotonic_ns()
+        for beside in self._beside if step_ms else ():
+            beside.before_sleep(asked_ns)
         ready = [descriptor for descriptor, _ in self._poll.poll(step_ms)]
         slept_ns = max(monotonic_ns() - asked_ns, 1) if step_ms else 0
         for descriptor in ready:  # before anything else: it gets its time here
