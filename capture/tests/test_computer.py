@@ -129,6 +129,12 @@ def waiting(measured: Computer) -> int:
     return int.from_bytes(fcntl.ioctl(measured.fileno(), termios.FIONREAD, bytes(4)), "little")
 
 
+def test_before_anybody_polls_it_measures_itself() -> None:
+    measured = Computer()
+    measured.measure(20 * MS)
+    assert measured.late_ns > 0 and not waiting(measured)
+
+
 def test_one_in_a_thousand_may_be_later(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(delay, "KEPT", 1000)
     assert Computer([5 * MS, *[MS] * 998]).late_ns == 5 * MS

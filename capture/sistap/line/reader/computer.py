@@ -49,7 +49,10 @@ def computer(*, at_once: bool = True) -> Delay:
             return Still(max(through_socket(MEASURE_NS), default=UNCERTAINTY_UNKNOWN) if at_once else 0)
         from sistap.line.reader import delay
 
-        return delay.Computer(delay.through_pty(MEASURE_NS) if at_once else ())
+        measured = delay.Computer()
+        if at_once:
+            measured.measure(MEASURE_NS)
+        return measured
     return Still(UNCERTAINTY_UNKNOWN)
 
 

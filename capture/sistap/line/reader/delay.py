@@ -112,8 +112,8 @@ class Computer:
     would count. Its bound is p99.9 of the last KEPT characters, or the delay of the very last one, if that is longer.
     """
 
-    def __init__(self, delays: Iterable[int]) -> None:
-        """Begin with delays in ns that were measured before. OSError without a pseudo terminal."""
+    def __init__(self, delays: Iterable[int] = ()) -> None:
+        """Begin with delays in ns, if some are known. OSError without a pseudo terminal."""
         self._master, self._slave = pty.openpty()
         tty.setraw(self._slave)
         os.set_blocking(self._slave, False)
@@ -123,6 +123,19 @@ class Computer:
         self._random = random.Random()  # of its own: a program may seed the common one
         self._due_ns = 0  # when the next character is sent, at the earliest
         self._sent_ns = 0  # when the one was sent that nobody has seen; 0: there is none
+
+    def measure(self, duration_ns: int) -> None:
+        """Measure often for a while, before anybody polls. OSError if a character does not come back."""
+        poll = select.poll()
+        poll.register(self._slave, select.POLLIN)
+        end_ns = monotonic_ns() + duration_ns
+        while (now_ns := monotonic_ns()) < end_ns:
+            self.before_sleep(now_ns)
+            if not poll.poll(PATIENCE_NS // 1_000_000):
+                raise LoopBroken("a character that was sent did not come back within a second")
+            self.read_now(1)
+            self._due_ns = 0
+            time.sleep(self._random.uniform(0.0002, 0.0008))
 
     @property
     def late_ns(self) -> int:
