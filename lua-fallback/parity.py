@@ -30,10 +30,8 @@ ALLOWED = (
         ),
         r'<proto name="_ws.short" showname="\1" size="0" pos="0"/>',
     ),
-    # From 4.6 on, Wireshark itself may say so after Lua, too.
-    (re.compile(r'<proto name="_ws.short" ([^\n]*) pos="\d+"/>\n *(?=<proto name="_ws.short" \1 pos="0"/>)'), ""),
-    # The length of a unit of which the capture has cut the end: TCP gets another one from Lua.
-    (re.compile(r'^ *<field name="tcp.pdu.size" [^\n]*\n', re.MULTILINE), ""),
+    # From 4.6 on, Wireshark itself may say so after Lua, too: where the unit is, never at 0.
+    (re.compile(r'<proto name="_ws.short" ([^\n]*) pos="[1-9]\d*"/>\n *(?=<proto name="_ws.short" \1 pos="0"/>)'), ""),
     # Wireshark puts a hidden item before everything that Lua dissects.
     (
         re.compile(
@@ -50,11 +48,16 @@ ALLOWED = (
     (re.compile(r'(<field name="" show="[^"]*" size="\d+" pos="\d+") value="[0-9a-f]*"'), r"\1"),
 )
 
+# The length of a unit of which the capture has cut the end: TCP gets another one from Lua.
+_PDU_SIZE = re.compile(r'^ *<field name="tcp.pdu.size" [^\n]*\n', re.MULTILINE)
+
 
 def without_allowed(packet: str) -> str:
     """Return a packet without the permitted differences."""
     for pattern, same in ALLOWED:
         packet = pattern.sub(same, packet)
+    if '<proto name="_ws.short"' in packet:
+        packet = _PDU_SIZE.sub("", packet)
     for name in ("sis", "sisascii"):  # with that hidden item, Wireshark names a protocol of which it shows nothing
         if f'<proto name="{name}"' not in packet:
             packet = packet.replace(f':{name}"', '"')

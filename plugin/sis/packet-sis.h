@@ -8,7 +8,7 @@
 
 extern dissector_handle_t sis_handle; /* all telegrams of the data, one after the other */
 
-/* Of that handle. */
+/* The dissector of that handle. */
 int sis_dissect_packet(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data);
 
 /* One telegram; `tvb` begins with it and has nothing of the next. Adds to the info column. */
