@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from sistap.wireshark.tshark import Tshark, TsharkError
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 
 SISTAP = [sys.executable, "-m", "sistap"]
 CAPTURE = Path(__file__).parent.parent / "build" / "demo.pcapng"

@@ -23,7 +23,7 @@ sys.path[:0] = [str(HERE.parent / "capture"), str(HERE.parent / "capture" / "ben
 
 import dissect  # noqa: E402
 
-from sistap.wireshark.tshark import Tshark, TsharkError  # noqa: E402
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError  # noqa: E402
 
 GOAL = 40_000  # telegrams a second in the list, or half of the minimal dissector's
 

@@ -25,7 +25,7 @@ sys.path[len(sys.path) :] = [str(HERE.parent / "capture" / "tests"), str(HERE.pa
 
 from chromium import Chromium, program  # noqa: E402
 from parity import SCRIPT  # noqa: E402
-from sistap.wireshark.tshark import Tshark  # noqa: E402
+from sistap.dissected.wireshark.tshark import Tshark  # noqa: E402
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from itertools import zip_longest
 from pathlib import Path
 
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 SCRIPT = Path(__file__).parent / "sis.lua"
 

@@ -1069,7 +1069,7 @@ K.MOST_PARAMETER_WRITTEN = 234
 -- Bytes of a command of Telnet. More means that its end was lost.
 K.MOST_TELNET = 64
 
--- Bytes of a line of the ASCII protocol, as in capture/sistap/records/framer.py. TCP waits for the rest of fewer.
+-- Bytes of a line of the ASCII protocol, as in capture/sistap/tap/records/framer.py. TCP waits for the rest of fewer.
 K.SISASCII_MOST_LINE = 4096
 
 -- Tries to connect, and to send a block.

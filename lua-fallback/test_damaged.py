@@ -15,9 +15,9 @@ import bad_input
 import mutate
 import parity
 from make import HERE, Scenario
-from sistap.captures import reading
-from sistap.files import pcapng
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures import reading
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
 
 T = TypeVar("T")
 

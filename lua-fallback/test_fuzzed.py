@@ -10,8 +10,8 @@ import pytest
 
 import parity
 from make import HERE
-from sistap.captures import reading
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures import reading
+from sistap.dissected.wireshark.tshark import Tshark
 
 FUZZ = HERE / "fuzz"
 sys.path.insert(0, str(FUZZ))

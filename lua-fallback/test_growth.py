@@ -10,8 +10,8 @@ import pytest
 
 import parity
 from make import Scenario
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.sis.telegram import build
 from test_exchange import check_many_connections, check_many_routes
 from test_packed import COMMAND, MOST_BYTES, written
 from test_sequence import OPEN, endless

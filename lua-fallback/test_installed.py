@@ -12,7 +12,7 @@ import pytest
 import parity
 from make import HERE
 from parity import SCRIPT
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 CAPTURE = HERE / "specification.pcapng"
 

@@ -18,7 +18,7 @@ from bad_input import Packet
 from make import CLIENT_PORT, HERE, Scenario, scenarios
 from merging import Group, groups
 from rings import as_sections, records_of, ring
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 every_scenario = pytest.mark.parametrize("path", scenarios(), ids=lambda path: path.stem)
 

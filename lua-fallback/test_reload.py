@@ -11,9 +11,9 @@ import pytest
 
 from make import HERE
 from parity import SCRIPT
-from sistap.captures.reading import packets
-from sistap.files import pcapng
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures.reading import packets
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
 
 SESSIONS = 8
 BYTES_ANYHOW = 4096  # size of tables that Lua keeps allocated

@@ -16,12 +16,12 @@ import pytest
 
 import parity
 from make import HERE
-from sistap.captures import reading
-from sistap.files import pcapng
-from sistap.line.settings import Flag, LineSettings
-from sistap.records.record import Record, Type
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures import reading
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.record import Record, Type
+from sistap.tap.sis.telegram import build
 
 SEEDS = (1, pytest.param(2, marks=pytest.mark.thorough))
 PACKETS = 3000

@@ -9,7 +9,7 @@ import pytest
 
 import locales
 from make import HERE
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 FIRST, *REST = ("timing-reads", "phases", "timing-pauses", "timing-cycle", "values", "records")
 

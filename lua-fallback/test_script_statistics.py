@@ -11,8 +11,8 @@ import pytest
 
 from make import Scenario, scenarios
 from merging import Group
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.sis.telegram import build
 from test_packed import COMMAND, NOISE, REACTION, written
 from test_parity import groups_and_passes, options
 

@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 
 import parity
-from sistap.bus.devices.parameters import ident
-from sistap.files import pcapng
-from sistap.line.settings import LineSettings
-from sistap.parameters import user_table
-from sistap.parameters.backup import Saved, drives
-from sistap.records.record import Framing, Record, Type
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.bus.devices.parameters import ident
+from sistap.commands.parameters import user_table
+from sistap.commands.parameters.backup import Saved, drives
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Framing, Record, Type
+from sistap.tap.sis.telegram import build
 
 BACKUP = Path(__file__).parent.parent / "capture" / "tests" / "drive.par"
 (DRIVE,) = drives(BACKUP)

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 import parity
-from sistap.files import pcapng
-from sistap.line.settings import LineSettings
-from sistap.records.record import Event, Framing, Record, Type
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Event, Framing, Record, Type
+from sistap.tap.sis.telegram import build
 
 # Control characters of ASCII and Latin-1, marks of text direction, invisible characters, line ends. Then bytes that are
 # not UTF-8: cut off, too long for their value, surrogates, above the last character.

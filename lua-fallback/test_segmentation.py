@@ -11,9 +11,9 @@ from typing import NamedTuple
 import pytest
 
 from make import LINKTYPE_RAW_IPV4, START_NS, tcp_segment
-from sistap.files import pcapng
-from sistap.sis.telegram import START, build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.sis.telegram import START, build
 
 PORT = 4200
 NEGOTIATION = bytes.fromhex("FF FD 01  FF FB 2C")

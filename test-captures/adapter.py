@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from random import Random
 from typing import NamedTuple
 
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.records.record import Record, Type
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.tap.records.record import Record, Type
 
 OK, EXCEEDED, UNRESOLVED = range(3)
 TOLERANCE = 0.02  # how much faster than its nominal rate a sender may be

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from make import HERE, Scenario
-from sistap.files import pcapng
-from sistap.sis import telegram
+from sistap.tap.files import pcapng
+from sistap.tap.sis import telegram
 
 SNAPPED_FROM = 8  # a capture is cut in the useful data; every beginning of the header is in test_cut.py
 FILLINGS = (0x00, 0x01, 0x02, 0x3C, 0x41, 0x80, 0xFF)

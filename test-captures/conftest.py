@@ -14,7 +14,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "capture" / "tests"), str(HERE.pare
 
 from sharkd import Sharkd  # noqa: E402
 
-from sistap.wireshark.tshark import Tshark  # noqa: E402
+from sistap.dissected.wireshark.tshark import Tshark  # noqa: E402
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 NAME = "de_DE.UTF-8"
 # The rest of the language, above all how it is sorted, would take localedef a second. C has it as well.

@@ -27,11 +27,11 @@ from typing import Protocol
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "capture"))
 
-from sistap.files import pcapng  # noqa: E402
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings  # noqa: E402
-from sistap.records import record  # noqa: E402
-from sistap.sis import telegram  # noqa: E402
-from sistap.wireshark.tshark import Tshark  # noqa: E402
+from sistap.dissected.wireshark.tshark import Tshark  # noqa: E402
+from sistap.tap.files import pcapng  # noqa: E402
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings  # noqa: E402
+from sistap.tap.records import record  # noqa: E402
+from sistap.tap.sis import telegram  # noqa: E402
 
 START_NS = 1_700_000_000_000_000_000
 LONGEST_NS = 0xFFFFFFFF  # that a record can hold

@@ -27,9 +27,9 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "capture"))
 
-from sistap.captures.reading import packets  # noqa: E402
-from sistap.files import pcapng  # noqa: E402
-from sistap.wireshark.tshark import Tshark, TsharkError  # noqa: E402
+from sistap.dissected.captures.reading import packets  # noqa: E402
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError  # noqa: E402
+from sistap.tap.files import pcapng  # noqa: E402
 
 MUTANTS_PER_ROUND = 4000
 INTERESTING = (0x00, 0x01, 0x02, 0x07, 0x08, 0x0F, 0x10, 0x7F, 0x80, 0xF0, 0xFE, 0xFF)

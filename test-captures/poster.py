@@ -19,7 +19,7 @@ from pathlib import Path
 
 from drawing import BLACK, WHITE, Column, Page, wrapped
 from pages.profile import buttons
-from sistap.annotate.page import KINDS
+from sistap.commands.annotate.page import KINDS
 
 SVG = Path(__file__).parent / "course" / "poster.svg"
 SHEETS = {"a3": 1.0, "a4": 297 / 420}

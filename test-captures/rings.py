@@ -6,14 +6,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from sistap.captures import reading
-from sistap.files.output import Limits, Output
-from sistap.files.pcapng import Interface
-from sistap.files.writer import PcapngWriter
-from sistap.records.counters import Counters
-from sistap.records.record import Event, Record, Type, event
-from sistap.sis.telegram import is_whole
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures import reading
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import Event, Record, Type, event
+from sistap.tap.sis.telegram import is_whole
 
 # What explains telegrams, and what follows from it.
 FIELDS = (

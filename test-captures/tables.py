@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 HERE = Path(__file__).parent
 

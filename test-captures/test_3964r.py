@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import bad_input
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 from tables import HERE
 
 ASKS, BOTH_ASK, GRANTS, NOT_READY, BLOCK, RECEIVED, REFUSED, NOTHING = range(8)

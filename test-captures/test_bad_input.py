@@ -13,8 +13,8 @@ import pytest
 
 import bad_input
 import reference
-from sistap.sis import telegram
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.sis import telegram
 
 # Smallest and largest length of the useful data, from chapters 3 to 8 of the SIS definition.
 Limits = tuple[int, int]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from make import Item, Scenario, scenarios
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 # A `fields` line names all of these that the telegram has ...
 FIELDS = (

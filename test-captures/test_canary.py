@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from sistap.extcap import toolbar
-from sistap.terminal.programs import of_wireshark
+from sistap.commands.extcap import toolbar
+from sistap.tap.terminal.programs import of_wireshark
 
 HOUSE = Path(__file__).parent.parent
 SIGNATURES = ("const int, const int", "const unsigned, const unsigned")  # offset and length: to 4.6, and later

@@ -12,7 +12,7 @@ import pytest
 
 from make import HERE, Scenario, scenarios
 from merging import Group, groups
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 from tables import LATER as LATER_NAMES
 from tables import LATER_ELSEWHERE
 

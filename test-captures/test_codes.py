@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 import pytest
 from description import Description
 
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 HERE = Path(__file__).parent
 DESCRIBED = Description().tables

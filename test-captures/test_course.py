@@ -32,8 +32,8 @@ from lesson import (
     recording,
 )
 from make import Scenario
-from sistap.bus.scenarios.scenario import names
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.bus.scenarios.scenario import names
+from sistap.dissected.wireshark.tshark import Tshark
 from tables import BOOLEANS
 
 COURSE = Path(__file__).parent / "course"

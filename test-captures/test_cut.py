@@ -10,8 +10,8 @@ import pytest
 import bad_input
 from bad_input import Packet
 from make import HERE, Scenario
-from sistap.files import pcapng
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
 
 
 def dissect(tshark: Tshark, dissector: str, packets: list[bytes], folder: Path) -> list[str]:

@@ -278,7 +278,7 @@ def test_a_new_service_needs_no_function(folder: Path) -> None:
         'is_by_layout = true,\n    [0x00] = {\n      command = {{"lamp_colour", 1, false, N.colours},'
         in texts["sis.lua"]
     )
-    made: dict[str, Any] = {"__name__": "sistap.sis.codes"}
+    made: dict[str, Any] = {"__name__": "sistap.tap.sis.codes"}
     exec(texts["codes.py"], made)  # noqa: S102 - our own
     assert made["LAYOUTS"][0x05] == {0: made["Layout"]((("lamp.colour", 1, False), ("data", 0, False)), ())}
     assert made["WITHOUT_SUBSERVICES"] == {0x05}

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 HOUSE = Path(__file__).parent.parent
 BUILT = ("build", "node_modules", ".pytest_cache", ".mypy_cache")

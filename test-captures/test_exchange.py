@@ -9,9 +9,9 @@ import pytest
 
 from bad_input import write
 from make import Scenario, tcp_segment
-from sistap.files import pcapng
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.sis.telegram import build
 from tables import HERE, Table, check, shown
 
 FIELDS = "reaction_in command_in reaction_time repeat_of routed_from"

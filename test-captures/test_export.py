@@ -14,8 +14,8 @@ import pytest
 
 from bad_input import write
 from make import Scenario
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.sis.telegram import build
 
 # Program flash: two pieces in a row, one elsewhere, one again with other data; Read flash; a list read in two pieces.
 SCENARIO = """

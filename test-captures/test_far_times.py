@@ -12,11 +12,11 @@ import pytest
 
 import mutate
 from make import START_NS
-from sistap.files import pcapng
-from sistap.line.settings import LineSettings
-from sistap.records.record import Record, Type
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Record, Type
+from sistap.tap.sis.telegram import build
 from tables import shown
 
 S = 1_000_000_000

@@ -12,10 +12,10 @@ from sharkd import Sharkd
 
 from make import scenarios
 from merging import Group, groups
-from sistap.captures.portions import Portion
-from sistap.packets.dissection import Dissection
-from sistap.sis.faults import FAULTS
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures.portions import Portion
+from sistap.dissected.packets.dissection import Dissection
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.sis.faults import FAULTS
 
 HERE = Path(__file__).parent
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from make import Scenario
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 # Streams 0, 1, 2: 16 and 3, 16 and 4, 16 and what is behind 3. Damaged telegrams and those without a command have none.
 SCENARIO = """

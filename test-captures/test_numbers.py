@@ -11,10 +11,10 @@ import pytest
 
 import locales
 from make import HERE, START_NS
-from sistap.files import pcapng
-from sistap.line.settings import LineSettings
-from sistap.records.record import Record, Type
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Record, Type
 
 # Seconds, milliseconds, percent, scaled values, intervals of characters.
 FIRST, *REST = ("timing-reads", "values", "phases", "timing-pauses", "timing-cycle", "records")

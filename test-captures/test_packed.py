@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import bad_input
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.sis.telegram import build
 
 READ_PHASE = 0x12
 COMMAND = build(READ_PHASE, 16, 3)

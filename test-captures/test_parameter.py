@@ -10,8 +10,8 @@ from xml.etree import ElementTree
 import pytest
 
 from make import Scenario
-from sistap.sis.names import S_NAMES as S_NAMES_WRITTEN
-from sistap.wireshark.tshark import Tshark, TsharkError
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError
+from sistap.tap.sis.names import S_NAMES as S_NAMES_WRITTEN
 from tables import HERE, Table, check, shown
 
 FIELDS = "parameter parameter.name value attribute element.name element.unit error list.actual list.maximum"

@@ -13,10 +13,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from sistap.bus.stations.making import make
-from sistap.files import pcapng
-from sistap.sis.telegram import build, parse
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.bus.stations.making import make
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.sis.telegram import build, parse
 from test_codes import DESCRIBED, PHASE_SERVICES, described
 
 MS = 1_000_000

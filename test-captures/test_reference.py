@@ -16,7 +16,8 @@ import pytest
 import reference
 import tables
 from reference import BITS, Field, command_layout, decode, reaction_layout
-from sistap.files.pcapng import (
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files.pcapng import (
     LINKTYPE_WIRESHARK_UPPER_PDU,
     Interface,
     enhanced_packet,
@@ -24,8 +25,7 @@ from sistap.files.pcapng import (
     section_header,
     upper_pdu,
 )
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.tap.sis.telegram import build
 
 PREFIX = len(upper_pdu("sis", b""))
 MS = 10**6  # ns

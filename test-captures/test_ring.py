@@ -9,7 +9,7 @@ import pytest
 
 from make import HERE
 from rings import FIELDS, as_sections, records_of, ring, shown
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 # Each has something that later telegrams need: names, attributes, types, limits, rates, routes, pieces.
 CAPTURES = (

@@ -11,7 +11,7 @@ import pytest
 import bad_input
 from bad_input import Packet
 from make import HERE, Scenario, tcp_segment
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 TELEGRAM = bytes.fromhex("02 D7 03 03 00 03 10 03 04 07 00")
 PASSES = pytest.mark.parametrize("passes", [(), ("-2",)], ids=["one_pass", "two_passes"])

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from make import Scenario
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 from tables import HERE, Table, check, shown
 
 FIELDS = "data value sequence.piece sequence.length sequence.whole_in"

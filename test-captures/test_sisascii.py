@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 from tables import HERE, Table, check
 
 NAMES = "Text Open Prompt Read Write Element Asks Error Echo Answer End"  # the kinds, in the order of their codes

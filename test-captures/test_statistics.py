@@ -13,11 +13,11 @@ import pytest
 
 import bad_input
 from make import Scenario
-from sistap.files import pcapng
-from sistap.line.settings import Flag, LineSettings
-from sistap.records.record import Record, Type
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.record import Record, Type
+from sistap.tap.sis.telegram import build
 
 CAPTURE = Path(__file__).parent / "statistics.pcapng"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 from tables import HERE, check
 
 FIELDS = "device subservice init.time init.baud_mask raw tza.limit tza.set_in trs.limit trs.set_in bus.baud"

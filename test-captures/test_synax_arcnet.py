@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from make import Scenario
-from sistap.files import pcapng
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
 from tables import HERE, Table, check, shown
 
 FIELDS = (

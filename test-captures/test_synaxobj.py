@@ -9,7 +9,7 @@ import pytest
 
 import bad_input
 from make import HERE, Scenario
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 from tables import Table, check
 
 FIELDS = (

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 from tables import Table, check
 
 FIELDS = (

@@ -9,8 +9,8 @@ import pytest
 
 import bad_input
 from make import HERE, Scenario
-from sistap.files import pcapng
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
 from tables import Table, check
 
 FIELDS = "synaxpd.direction synaxpd.word synaxpd.value sis.value.number synaxpd.raw"

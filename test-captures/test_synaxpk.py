@@ -14,8 +14,8 @@ import pytest
 
 import bad_input
 from make import Scenario
-from sistap.files import pcapng
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
 from tables import HERE, Table, check, shown
 
 NAMES = ("error", "read", "busy", "last", "bit9", "toggle", "count", "format")

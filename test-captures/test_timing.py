@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import pytest
 
 from make import Scenario
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 from tables import HERE, Table, check, shown
 
 TZA = "tza.limit tza.set_in tza.verdict"

@@ -12,11 +12,11 @@ from typing import NamedTuple
 import pytest
 
 from adapter import EXCEEDED, OK, TOLERANCE, UNRESOLVED, Adapter, admissible, records, seen, windows
-from sistap.files import pcapng
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
-from sistap.records.record import Record
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
+from sistap.tap.records.record import Record
+from sistap.tap.sis.telegram import build
 from tables import shown
 
 MS = 1_000_000

@@ -12,7 +12,7 @@ from pathlib import Path
 from random import Random
 
 from make import Scenario
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 from tables import shown
 
 BUSES = 60

@@ -16,11 +16,11 @@ from threading import Thread
 import pytest
 
 from adapter import EXCEEDED, OK, UNRESOLVED, Adapter, seen
-from sistap.bus.playing.characters import Faults
-from sistap.bus.scenarios.scenario import DEFAULT, Playing, load
-from sistap.line.settings import LineSettings, Read
-from sistap.wire import protocol
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.bus.playing.characters import Faults
+from sistap.commands.bus.scenarios.scenario import DEFAULT, Playing, load
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.wire import protocol
 from tables import shown
 
 SISTAP = [sys.executable, "-m", "sistap"]

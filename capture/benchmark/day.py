@@ -35,9 +35,9 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 from plugged import Adapter  # noqa: E402
 from telegrams import telegrams  # noqa: E402
 
-from sistap.captures import reading  # noqa: E402
-from sistap.records.record import Event, Record, Type  # noqa: E402
-from sistap.sis.telegram import build  # noqa: E402
+from sistap.dissected.captures import reading  # noqa: E402
+from sistap.tap.records.record import Event, Record, Type  # noqa: E402
+from sistap.tap.sis.telegram import build  # noqa: E402
 
 PATIENCE_S = 120
 UNPLUG, END, KILL = "unplugged", "ended", "killed"

@@ -26,10 +26,10 @@ sys.path.insert(0, str(HERE.parent))
 from crc import crc  # noqa: E402
 from telegrams import telegrams  # noqa: E402
 
-from sistap.files import pcapng  # noqa: E402
-from sistap.line.settings import Flag, LineSettings  # noqa: E402
-from sistap.records.record import Record, Type  # noqa: E402
-from sistap.wireshark.tshark import Tshark, TsharkError, Used  # noqa: E402
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError, Used  # noqa: E402
+from sistap.tap.files import pcapng  # noqa: E402
+from sistap.tap.line.settings import Flag, LineSettings  # noqa: E402
+from sistap.tap.records.record import Record, Type  # noqa: E402
 
 SETTINGS = LineSettings(115200, 8, "E", 2)
 START_NS = 1_700_000_000_000_000_000

@@ -26,11 +26,11 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
-from sistap.files import pcapng  # noqa: E402
-from sistap.line.settings import Flag, LineSettings  # noqa: E402
-from sistap.records.record import Record, Type  # noqa: E402
-from sistap.sis.telegram import build  # noqa: E402
-from sistap.wireshark.tshark import Tshark  # noqa: E402
+from sistap.dissected.wireshark.tshark import Tshark  # noqa: E402
+from sistap.tap.files import pcapng  # noqa: E402
+from sistap.tap.line.settings import Flag, LineSettings  # noqa: E402
+from sistap.tap.records.record import Record, Type  # noqa: E402
+from sistap.tap.sis.telegram import build  # noqa: E402
 
 FEW, MANY = 5_000, 40_000
 LIMIT = 2.0

@@ -42,7 +42,7 @@ from playing import (  # noqa: E402
 from quantiles import QUANTILES, quantiles  # noqa: E402
 from recorded import Packet, pcap_packets, sistap_packets  # noqa: E402
 
-from sistap.line import priority  # noqa: E402
+from sistap.tap.line import priority  # noqa: E402
 
 PAUSE_NS = 5_000_000  # before each frame
 SILENCE_US = 1500  # ends a frame for tools that cut by silence: the sniffer's default
@@ -102,7 +102,7 @@ def stream(seconds: float) -> list[Character]:
 
 def sistap_tool(folder: Path, port: str) -> Tool:
     """Start sistap."""
-    file = folder / "sistap.files.pcapng"
+    file = folder / "sistap.tap.files.pcapng"
     program, _ = start_sistap(file, [port], "--framing", f"silence:{SILENCE_US / 1000}")
     return Tool("sistap", program, lambda: sistap_packets(file))
 

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.line.settings import LineSettings
+from sistap.tap.line.settings import LineSettings
 
 HERE = Path(__file__).parent
 SETTINGS = LineSettings(115200, 8, "E", 2)

@@ -42,8 +42,8 @@ from quantiles import quantiles  # noqa: E402
 from recorded import character_times_ns, sistap_records  # noqa: E402
 from telegrams import telegrams  # noqa: E402
 
-from sistap.line import priority  # noqa: E402
-from sistap.line.settings import Flag  # noqa: E402
+from sistap.tap.line import priority  # noqa: E402
+from sistap.tap.line.settings import Flag  # noqa: E402
 
 LINE_NUMBERS = {1: (0,), 2: (1, 2)}  # line numbers in a capture of that many lines
 GOAL_QUANTILES = ("p50", "p99")
@@ -141,7 +141,7 @@ def measure(folder: Path, written: bytes, numbers: tuple[int, ...]) -> Measured:
     with terminals(2 * len(numbers)) as ends:
         paths = [end.path for end in ends]  # sistap's and the C reader's take turns
         c_reader = start_c_reader(folder, folder / "c", paths[1::2])
-        sistap, timing = start_sistap(folder / "sistap.files.pcapng", paths[::2])
+        sistap, timing = start_sistap(folder / "sistap.tap.files.pcapng", paths[::2])
         characters = (Character(value, SETTINGS.character_ns) for value in written)
         played = play(folder, characters, ends, [sistap, c_reader])
         stop_sistap(sistap)
@@ -149,7 +149,7 @@ def measure(folder: Path, written: bytes, numbers: tuple[int, ...]) -> Measured:
 
     lines = []
     for i, number in enumerate(numbers):
-        received = from_sistap(folder / "sistap.files.pcapng", number)
+        received = from_sistap(folder / "sistap.tap.files.pcapng", number)
         instants_ns, c_instants_ns = played.instants_ns[2 * i : 2 * i + 2]
         late_ns = errors_ns("sistap", written, received, instants_ns)
         c_late_ns = errors_ns("the C reader", written, from_c_reader(folder / "c", i), c_instants_ns)

@@ -9,8 +9,8 @@ from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.captures.reading import records
-from sistap.records.record import Record, Type
+from sistap.dissected.captures.reading import records
+from sistap.tap.records.record import Record, Type
 
 
 class Packet(NamedTuple):

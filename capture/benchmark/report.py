@@ -27,7 +27,7 @@ from typing import NamedTuple
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
-from sistap.wireshark.tshark import Tshark  # noqa: E402
+from sistap.dissected.wireshark.tshark import Tshark  # noqa: E402
 
 MORNING = HERE.parents[1] / "test-captures" / "course" / "20-a-morning.toml"
 LENGTH_S = 12_600

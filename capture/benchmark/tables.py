@@ -24,7 +24,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 PACKAGE = Path(__file__).parent.parent / "sistap"
-README = PACKAGE / "tables" / "README.md"
+README = PACKAGE / "commands/tables/README.md"
 QUESTIONS = dict(re.findall(r"### (.+?)\n.*?```sql\n(.*?)```", README.read_text("utf-8"), re.DOTALL))
 NAMES = ("telegrams", "values", "events")
 DAY_S = 86_400

@@ -6,7 +6,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-from sistap.sis.telegram import build
+from sistap.tap.sis.telegram import build
 
 # Service, telegram number, body of the command, body of the reaction (IF02 chapters 3 to 9); {} is the drive.
 _EXCHANGES = [

@@ -106,7 +106,7 @@ Section
     SetOutPath "$DOCUMENTS" ; where the prompt begins
     CreateShortcut "${MENU}\Command prompt.lnk" "$SYSDIR\cmd.exe" '/k "set "PATH=%PATH%;$INSTDIR"&sistap"'
     SetOutPath "$INSTDIR"
-    nsExec::ExecToLog '"$INSTDIR\python\python.exe" -m sistap.install.userpath add "$INSTDIR"'
+    nsExec::ExecToLog '"$INSTDIR\python\python.exe" -m sistap.commands.install.userpath add "$INSTDIR"'
     Pop $0
     nsExec::ExecToLog '"$INSTDIR\sistap.exe" install'
     Pop $0
@@ -129,7 +129,7 @@ Section Uninstall
 sistap all the same?" /SD IDYES IDYES taken
     Abort
 taken:
-    nsExec::ExecToLog '"$INSTDIR\python\python.exe" -m sistap.install.userpath remove "$INSTDIR"'
+    nsExec::ExecToLog '"$INSTDIR\python\python.exe" -m sistap.commands.install.userpath remove "$INSTDIR"'
     Pop $0
     SetOutPath "$TEMP"
     !insertmacro RemoveOld

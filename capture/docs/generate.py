@@ -21,10 +21,10 @@ sys.path[:0] = [str(HOUSE / "capture"), str(HOUSE / "test-captures")]
 import poster  # noqa: E402 - of the checkout
 import wiring  # noqa: E402
 from sistap import cli  # noqa: E402
-from sistap.bus.scenarios import scenario  # noqa: E402
-from sistap.episodes.rules import RULES, SUBJECTS, Severity  # noqa: E402
-from sistap.extcap import dialog  # noqa: E402
-from sistap.line.drivers import DRIVERS  # noqa: E402
+from sistap.commands.bus.scenarios import scenario  # noqa: E402
+from sistap.commands.extcap import dialog  # noqa: E402
+from sistap.dissected.episodes.rules import RULES, SUBJECTS, Severity  # noqa: E402
+from sistap.tap.line.drivers import DRIVERS  # noqa: E402
 
 DOCS = HOUSE / "capture" / "docs"
 MADE = "<!-- Made by capture/docs/generate.py from the code. -->\n"

@@ -31,12 +31,13 @@ CHAPTERS = {
     " capture/docs/remote capture/docs/analyser capture/docs/framings capture/docs/times capture/docs/line-errors"
     " capture/docs/files capture/docs/windows capture/docs/bus",
     "Analyse": "capture/docs/report capture/docs/kinds capture/docs/analyse capture/docs/logs capture/docs/import"
-    " capture/docs/usb capture/sistap/tables/README",
+    " capture/docs/usb capture/sistap/commands/tables/README",
     "Wireshark": "plugin/README plugin/docs/filters plugin/docs/statistics plugin/docs/verdicts plugin/docs/telegrams"
     " plugin/docs/exchanges plugin/docs/synax200 plugin/docs/synax200-objects plugin/docs/record"
     " lua-fallback/README lua-fallback/page/README",
-    "Reference": "plugin/REFERENCE capture/docs/commands capture/docs/commands/* capture/sistap/bus/scenarios/README"
-    " capture/sistap/bus/devices/sets/README capture/docs/library",
+    "Reference": "plugin/REFERENCE capture/docs/commands capture/docs/commands/*"
+    " capture/sistap/commands/bus/scenarios/README capture/sistap/commands/bus/devices/sets/README"
+    " capture/docs/library",
     "Learn": "test-captures/README test-captures/course/*",
     "Change it": "CONTRIBUTING SECURITY CHANGELOG */DEVELOP */FILES capture/benchmark/README capture/bundle/README"
     " capture/drivers/README capture/launcher/README capture/windows/README capture/tests/real-captures/README"

@@ -20,8 +20,8 @@ from chips import CHIPS, Ft232r
 from machine import Guest, Program, eventually
 from truth import BREAK, FRAMING, Character
 
-from sistap.line.drivers import UART, driver
-from sistap.line.drivers import Driver as Telling
+from sistap.tap.line.drivers import UART, driver
+from sistap.tap.line.drivers import Driver as Telling
 
 UART_RATE = 115200  # of divisor 1
 ALL = frozenset({"list", "unplug", "loop"})  # what nearly every line can do

@@ -10,8 +10,8 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from sistap.line.drivers import Driver, Place
-from sistap.line.settings import Flag
+from sistap.tap.line.drivers import Driver, Place
+from sistap.tap.line.settings import Flag
 
 # Line status of a UART; LOST: characters were lost before this one.
 LOST, PARITY, FRAMING, BREAK = 0x02, 0x04, 0x08, 0x10

@@ -20,31 +20,31 @@ PASSING = ("_loop", "_take_waiting", "_take", "_idle")
 EPISODES = ("test_kinds.py", "test_small_cases.py")
 
 PARTS = (
-    Part("sistap/records/framer.py", ("test_framer.py", "test_framer_ascii.py")),
-    Part("sistap/records/framer_3964r.py", ("test_framer_3964r.py",)),
-    Part("sistap/records/cut.py", ("test_framer_3964r.py",)),
-    Part("sistap/records/record.py", ("test_record.py",)),
-    Part("sistap/records/assembler.py", ("test_assembler.py", "test_assembling.py", "test_order.py")),
-    Part("sistap/capture/tap.py", ("test_tap.py", "test_assembling.py")),
-    Part("sistap/capture/session.py", ("test_assembling.py",), PASSING),
-    Part("sistap/recorder/keeper.py", ("test_keeper.py",)),
-    Part("sistap/files/output.py", ("test_output.py", "test_lasting.py")),
-    Part("sistap/files/pcapng.py", ("test_pcapng.py",)),
-    Part("sistap/files/writer.py", ("test_writer.py", "test_pcapng.py")),
-    Part("sistap/analyser/uart.py", ("test_uart.py",)),
-    Part("sistap/line/measurement.py", ("test_measurement.py",)),
-    Part("sistap/line/reader/errors.py", ("test_reader_errors.py",)),
-    Part("sistap/line/reader/latency.py", ("test_measurement.py",)),
-    Part("sistap/episodes/readings.py", ("test_readings.py",)),
-    Part("sistap/episodes/folding.py", ("test_folding.py",)),
+    Part("sistap/tap/records/framer.py", ("test_framer.py", "test_framer_ascii.py")),
+    Part("sistap/tap/records/framer_3964r.py", ("test_framer_3964r.py",)),
+    Part("sistap/tap/records/cut.py", ("test_framer_3964r.py",)),
+    Part("sistap/tap/records/record.py", ("test_record.py",)),
+    Part("sistap/tap/records/assembler.py", ("test_assembler.py", "test_assembling.py", "test_order.py")),
+    Part("sistap/tap/capture/tap.py", ("test_tap.py", "test_assembling.py")),
+    Part("sistap/tap/capture/session.py", ("test_assembling.py",), PASSING),
+    Part("sistap/commands/recorder/keeper.py", ("test_keeper.py",)),
+    Part("sistap/tap/files/output.py", ("test_output.py", "test_lasting.py")),
+    Part("sistap/tap/files/pcapng.py", ("test_pcapng.py",)),
+    Part("sistap/tap/files/writer.py", ("test_writer.py", "test_pcapng.py")),
+    Part("sistap/tap/analyser/uart.py", ("test_uart.py",)),
+    Part("sistap/tap/line/measurement.py", ("test_measurement.py",)),
+    Part("sistap/tap/line/reader/errors.py", ("test_reader_errors.py",)),
+    Part("sistap/tap/line/reader/latency.py", ("test_measurement.py",)),
+    Part("sistap/dissected/episodes/readings.py", ("test_readings.py",)),
+    Part("sistap/dissected/episodes/folding.py", ("test_folding.py",)),
 )
 # Their tests take several seconds: only by name.
 SLOW = (
-    Part("sistap/episodes/lines.py", ("test_episode_lines.py", "test_small_cases.py")),
-    Part("sistap/episodes/live.py", ("test_live_episodes.py",)),
+    Part("sistap/dissected/episodes/lines.py", ("test_episode_lines.py", "test_small_cases.py")),
+    Part("sistap/dissected/episodes/live.py", ("test_live_episodes.py",)),
     *(
-        Part(f"sistap/episodes/{name}.py", EPISODES)
+        Part(f"sistap/dissected/episodes/{name}.py", EPISODES)
         for name in ("boots", "devices", "diagnoses", "faults", "machine", "masters", "paces", "silence", "states")
     ),
-    *(Part(f"sistap/episodes/{name}.py", EPISODES) for name in ("engine", "values", "writes")),
+    *(Part(f"sistap/dissected/episodes/{name}.py", EPISODES) for name in ("engine", "values", "writes")),
 )

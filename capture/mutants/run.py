@@ -143,7 +143,7 @@ def choose(parts: Iterable[Part], count: int | None, seed: int) -> list[Chosen]:
 
 
 def named(names: list[str]) -> list[Chosen]:
-    """Return all mutants of modules, or of lines such as sistap/records/framer.py:219."""
+    """Return all mutants of modules, or of lines such as sistap/tap/records/framer.py:219."""
     found = []
     for name in names:
         module, _, line = name.partition(":")

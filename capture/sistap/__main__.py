@@ -7,7 +7,7 @@ import sys
 
 def main() -> int:
     """Run the command `sistap` in a process of its own; return the exit code."""
-    from sistap.terminal.stop import Stop
+    from sistap.tap.terminal.stop import Stop
 
     stop = Stop()
     stop.begin()  # before the imports: they take a third of a second, and Ctrl-C in that time must not show a traceback

@@ -14,33 +14,42 @@ from difflib import get_close_matches
 from typing import NoReturn
 
 import sistap
-from sistap.line.reader import PortError, PortLost
-from sistap.terminal.console import Console, end_standard_output, is_reader_gone, leave_standard_output, visible
-from sistap.terminal.exits import DONE, FAILED, PORT, USAGE
-from sistap.terminal.stop import Stop, Stopped
+from sistap.tap.line.reader import PortError, PortLost
+from sistap.tap.terminal.console import Console, end_standard_output, is_reader_gone, leave_standard_output, visible
+from sistap.tap.terminal.exits import DONE, FAILED, PORT, USAGE
+from sistap.tap.terminal.stop import Stop, Stopped
 
 # The module of each command, imported only when it is called, and its line in the list of commands.
 COMMANDS = {
-    "ports": ("sistap.ports", "list the serial ports of this computer"),
-    "capture": ("sistap.capture.command", "record a bus into a pcapng file, or show it as text"),
-    "record": ("sistap.recorder.command", "run for months, and keep only what matters: faults, writes, a filter"),
-    "serve": ("sistap.serve.command", "share the bus at this computer with other computers"),
-    "web": ("sistap.web.command", "open the page for a browser, also with the tap of this computer"),
-    "report": ("sistap.report.command", "say what happened in a capture, on one page with pictures"),
-    "parameters": ("sistap.parameters.command", "list the parameters that were read and written, and their changes"),
-    "compare": ("sistap.compare.command", "show what changed between a good capture and a bad one"),
-    "tables": ("sistap.tables.command", "collect captures in tables, to query months of many machines"),
-    "annotate": ("sistap.annotate.command", "explain another program's log, telegram by telegram"),
-    "log": ("sistap.annotate.log", "write a capture as a log with explanations"),
-    "import": ("sistap.imports.command", "convert a recording of another tool into a capture"),
-    "install": ("sistap.install.command", "install the dissector, the interfaces and the profile for Wireshark"),
-    "uninstall": ("sistap.install.uninstall", "remove what `sistap install` has installed"),
-    "doctor": ("sistap.doctor", "check whether a capture would work, and what is missing"),
-    "selftest": ("sistap.selftest", "measure how exact the times of this computer are"),
-    "extcap": ("sistap.extcap.command", "serve as an interface of Wireshark; only Wireshark calls this"),
-    "bus": ("sistap.bus.command", "simulate a bus, to try everything without a drive"),
-    "help": ("sistap.web.help", "open the handbook in a browser"),
-    "replay": ("sistap.bus.replay", "play a capture again with its original timing"),
+    "ports": ("sistap.tap.ports", "list the serial ports of this computer"),
+    "capture": ("sistap.tap.capture.command", "record a bus into a pcapng file, or show it as text"),
+    "record": (
+        "sistap.commands.recorder.command",
+        "run for months, and keep only what matters: faults, writes, a filter",
+    ),
+    "serve": ("sistap.commands.serve.command", "share the bus at this computer with other computers"),
+    "web": ("sistap.commands.web.command", "open the page for a browser, also with the tap of this computer"),
+    "report": ("sistap.commands.report.command", "say what happened in a capture, on one page with pictures"),
+    "parameters": (
+        "sistap.commands.parameters.command",
+        "list the parameters that were read and written, and their changes",
+    ),
+    "compare": ("sistap.commands.compare.command", "show what changed between a good capture and a bad one"),
+    "tables": ("sistap.commands.tables.command", "collect captures in tables, to query months of many machines"),
+    "annotate": ("sistap.commands.annotate.command", "explain another program's log, telegram by telegram"),
+    "log": ("sistap.commands.annotate.log", "write a capture as a log with explanations"),
+    "import": ("sistap.commands.imports.command", "convert a recording of another tool into a capture"),
+    "install": (
+        "sistap.commands.install.command",
+        "install the dissector, the interfaces and the profile for Wireshark",
+    ),
+    "uninstall": ("sistap.commands.install.uninstall", "remove what `sistap install` has installed"),
+    "doctor": ("sistap.commands.doctor", "check whether a capture would work, and what is missing"),
+    "selftest": ("sistap.commands.selftest", "measure how exact the times of this computer are"),
+    "extcap": ("sistap.commands.extcap.command", "serve as an interface of Wireshark; only Wireshark calls this"),
+    "bus": ("sistap.commands.bus.command", "simulate a bus, to try everything without a drive"),
+    "help": ("sistap.commands.web.help", "open the handbook in a browser"),
+    "replay": ("sistap.commands.bus.replay", "play a capture again with its original timing"),
 }
 
 DESCRIPTION = """\
@@ -94,7 +103,7 @@ def _failed(error: Exception) -> int:
             Console().say(_words(error))
         return FAILED
     if isinstance(error, ModuleNotFoundError) and error.name and error.name.partition(".")[0] == "serial":
-        from sistap.common.packages import missing
+        from sistap.tap.common.packages import missing
 
         Console().say(missing("pyserial"))
         return FAILED
@@ -106,7 +115,7 @@ def _words(error: OSError) -> str:
     is_of_output = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EBADF) and error.filename is None
     if not is_of_output:
         return str(error)
-    from sistap.common.writing import loss
+    from sistap.tap.common.writing import loss
 
     return loss(error)
 

@@ -29,31 +29,31 @@ from pathlib import Path
 from types import UnionType
 from typing import TYPE_CHECKING, ParamSpec, Self, TypeVar
 
-from sistap.capture.options import CaptureOptions, checked, rate
-from sistap.capture.running import Ports, conditions
-from sistap.capture.session import READ_TIMEOUT_S, Capture
-from sistap.captures import reading
-from sistap.captures.reading import NotCaptured
-from sistap.captures.stream import Stream
-from sistap.files.output import Output, OutputError, OutputRefused
-from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, SECTION_HEADER, Interface
-from sistap.files.writer import PcapngWriter
-from sistap.line.reader import PortError, PortLost
-from sistap.line.settings import Flag, LineSettings
-from sistap.records.counters import Counters
-from sistap.records.cut import SIS, Cut
-from sistap.records.record import Character, Event, Framing, Type
-from sistap.records.record import Record as BareRecord
-from sistap.sis.limits import milliseconds
-from sistap.sis.rates import RATES
-from sistap.telegrams.interpreter import Interpreter, Record, Telegram
-from sistap.terminal.exits import Error, UsageError
+from sistap.dissected.captures import reading
+from sistap.dissected.captures.reading import NotCaptured
+from sistap.dissected.captures.stream import Stream
+from sistap.dissected.telegrams.interpreter import Interpreter, Record, Telegram
+from sistap.tap.capture.options import CaptureOptions, checked, rate
+from sistap.tap.capture.running import Ports, conditions
+from sistap.tap.capture.session import READ_TIMEOUT_S, Capture
+from sistap.tap.files.output import Output, OutputError, OutputRefused
+from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, SECTION_HEADER, Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.line.reader import PortError, PortLost
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.cut import SIS, Cut
+from sistap.tap.records.record import Character, Event, Framing, Type
+from sistap.tap.records.record import Record as BareRecord
+from sistap.tap.sis.limits import milliseconds
+from sistap.tap.sis.rates import RATES
+from sistap.tap.terminal.exits import Error, UsageError
 
 if TYPE_CHECKING:
-    from sistap.annotate.sources import SourceError
-    from sistap.bus.scenarios.scenario import Scenario
-    from sistap.packets.dissection import Packet
-    from sistap.wireshark.tshark import TsharkError
+    from sistap.commands.annotate.sources import SourceError
+    from sistap.commands.bus.scenarios.scenario import Scenario
+    from sistap.dissected.packets.dissection import Packet
+    from sistap.dissected.wireshark.tshark import TsharkError
 
 __all__ = [
     "Character",
@@ -82,9 +82,9 @@ __all__ = [
 
 # Names of rooms that take long to load, and that few programs need.
 _LATE = {
-    "SourceError": "sistap.annotate.sources",
-    "Packet": "sistap.packets.dissection",
-    "TsharkError": "sistap.wireshark.tshark",
+    "SourceError": "sistap.commands.annotate.sources",
+    "Packet": "sistap.dissected.packets.dissection",
+    "TsharkError": "sistap.dissected.wireshark.tshark",
 }
 _LOG = logging.getLogger("sistap")
 _GZIP = b"\x1f\x8b"
@@ -368,8 +368,8 @@ def read(path: str | Path) -> Iterator[Record]:
 
 
 def _of_log(path: str | Path) -> Iterator[BareRecord]:
-    from sistap.annotate import sources
-    from sistap.annotate.annotating import Passage
+    from sistap.commands.annotate import sources
+    from sistap.commands.annotate.annotating import Passage
 
     source = sources.look(str(path), SIS)
     passage = Passage(source.reader)
@@ -388,11 +388,11 @@ def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator
     all are taken first: a Tap needs a duration_s. It runs the installed tshark: TsharkError if it cannot. NotCaptured
     if it is no capture, OSError if it cannot be read. A file that is cut off ends early; the logger `sistap` says so.
     """
-    from sistap.captures.portions import TOGETHER, in_turn
-    from sistap.common import temporary
-    from sistap.packets.dissection import FIELDS, Dissection
-    from sistap.wireshark.rows import NotACapture
-    from sistap.wireshark.tshark import Tshark
+    from sistap.dissected.captures.portions import TOGETHER, in_turn
+    from sistap.dissected.packets.dissection import FIELDS, Dissection
+    from sistap.dissected.wireshark.rows import NotACapture
+    from sistap.dissected.wireshark.tshark import Tshark
+    from sistap.tap.common import temporary
 
     with ExitStack() as stack:
         if isinstance(source, str | Path):
@@ -420,7 +420,7 @@ def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator
 @_naming
 def play(name: str, *, duration_s: float, seed: int = 1) -> Iterator[Record]:
     """Yield what a tap records of a scenario (`sistap bus --list`, or FILE.toml). ValueError for an unknown one."""
-    from sistap.bus.scenarios import scenario
+    from sistap.commands.bus.scenarios import scenario
 
     _check("duration_s", duration_s, int | float, "a number of seconds")
     _check("seed", seed, int, "a whole number")
@@ -429,8 +429,8 @@ def play(name: str, *, duration_s: float, seed: int = 1) -> Iterator[Record]:
 
 
 def _played(played: Scenario, name: str, duration_s: float, seed: int) -> Iterator[Record]:
-    from sistap.bus.scenarios.scenario import Playing
-    from sistap.bus.wires.recording import Recording
+    from sistap.commands.bus.scenarios.scenario import Playing
+    from sistap.commands.bus.wires.recording import Recording
 
     records: deque[BareRecord] = deque()
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 import os
 import sys
 
-from sistap.bus.stations.making import make
-from sistap.bus.wires.answering import BusTime, serve
-from sistap.bus.wires.pseudo_terminal import PseudoTerminalPort
-from sistap.line.settings import LineSettings
+from sistap.commands.bus.stations.making import make
+from sistap.commands.bus.wires.answering import BusTime, serve
+from sistap.commands.bus.wires.pseudo_terminal import PseudoTerminalPort
+from sistap.tap.line.settings import LineSettings
 
 STATIONS: list[dict[str, object]] = [
     {"address": 3, "behind": [{"address": 2, "kind": "synax", "behind": [{"address": 8}]}]},

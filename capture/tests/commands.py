@@ -23,10 +23,10 @@ if sys.platform != "win32":
     _PROCESSES.set_forkserver_preload(
         [
             "sistap.cli",
-            "sistap.report.command",
-            "sistap.report.page",
-            "sistap.annotate.annotating",
-            "sistap.annotate.log",
+            "sistap.commands.report.command",
+            "sistap.commands.report.page",
+            "sistap.commands.annotate.annotating",
+            "sistap.commands.annotate.log",
         ]
     )
 

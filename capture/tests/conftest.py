@@ -19,8 +19,8 @@ from hypothesis import settings
 from portable import SIGNALS, WINDOWS, lacking
 from sharkd import Sharkd
 
-import sistap.terminal.state
-from sistap.wireshark.tshark import Tshark
+import sistap.tap.terminal.state
+from sistap.dissected.wireshark.tshark import Tshark
 
 SCRIPT = Path(__file__).parents[2] / "lua-fallback" / "sis.lua"
 
@@ -77,9 +77,9 @@ def state(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFact
     """An empty state folder (XDG_STATE_HOME) for the test."""
     folder = tmp_path_factory.mktemp("state")
     monkeypatch.setenv("XDG_STATE_HOME", str(folder))
-    monkeypatch.setattr(sistap.terminal.state, "FOR_ROOT", folder / "sistap")
+    monkeypatch.setattr(sistap.tap.terminal.state, "FOR_ROOT", folder / "sistap")
     monkeypatch.setattr(
-        sistap.terminal.state, "ROOT", getattr(os, "getuid", lambda: 0)()
+        sistap.tap.terminal.state, "ROOT", getattr(os, "getuid", lambda: 0)()
     )  # whoever runs the tests can play root
     return folder
 

@@ -13,9 +13,9 @@ import pytest
 from usb_captures import USBMON, USBMON_SHORT, USBPCAP
 
 from sistap import cli
-from sistap.captures.reading import packets, record_of
-from sistap.records.record import Record, Type
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures.reading import packets, record_of
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.records.record import Record, Type
 
 
 class Imported(NamedTuple):

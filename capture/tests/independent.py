@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from pcapng import FileScanner
 from pcapng.blocks import EnhancedPacket
 
-from sistap.records.record import Record, unpack
+from sistap.tap.records.record import Record, unpack
 
 # An exported PDU: tag 12 with the dissector's name (6, padded to 8), the end tag, then the record.
 _WRAPPER = bytes.fromhex("000C0008") + b"sertap\0\0" + bytes(4)

@@ -7,14 +7,14 @@ import random
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from sistap.accesses.access import Access, Parameter
-from sistap.episodes.engine import Engine
-from sistap.episodes.episode import Episode
-from sistap.episodes.lines import lines, verdict
-from sistap.episodes.rules import Severity
-from sistap.packets.dissection import Judged, Packet, Telegram
-from sistap.records.record import Event
-from sistap.wireshark.rows import EVENT, FRAME, OTHER
+from sistap.dissected.accesses.access import Access, Parameter
+from sistap.dissected.episodes.engine import Engine
+from sistap.dissected.episodes.episode import Episode
+from sistap.dissected.episodes.lines import lines, verdict
+from sistap.dissected.episodes.rules import Severity
+from sistap.dissected.packets.dissection import Judged, Packet, Telegram
+from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
+from sistap.tap.records.record import Event
 
 PLC, PANEL, LAPTOP = 1, 2, 127
 BEGIN_S = 1_795_500_000.0  # 2026-11-24 05:20:00 UTC

@@ -17,12 +17,12 @@ from typing import IO
 
 from answering_bus import FastPort, FastTime
 
-from sistap.bus.procedure3964 import rk512
-from sistap.bus.procedure3964.controls import S5, Memory, Ppc, Script
-from sistap.bus.procedure3964.partner import Partner
-from sistap.bus.procedure3964.rk512 import Head
-from sistap.bus.wires.answering import meet
-from sistap.line.settings import LineSettings
+from sistap.commands.bus.procedure3964 import rk512
+from sistap.commands.bus.procedure3964.controls import S5, Memory, Ppc, Script
+from sistap.commands.bus.procedure3964.partner import Partner
+from sistap.commands.bus.procedure3964.rk512 import Head
+from sistap.commands.bus.wires.answering import meet
+from sistap.tap.line.settings import LineSettings
 
 # S-0-0237 of each axis; with the characters that have a meaning in the procedure.
 VALUES = {axis: bytes(random.Random(axis).choices(b"\x02\x03\x10\x15\x41\xff", k=4)) for axis in range(1, 33)}

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.terminal.advice import advice
+from sistap.tap.terminal.advice import advice
 
 WINDOWS = sys.platform == "win32"
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from sistap.line import ports
+from sistap.tap.line import ports
 
 
 class Driver:

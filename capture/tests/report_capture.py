@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.files import pcapng
-from sistap.line.settings import Flag, LineSettings
-from sistap.records.record import INTERVAL_MAX, Event, Framing, Record, Type, event
-from sistap.sis.telegram import build
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.record import INTERVAL_MAX, Event, Framing, Record, Type, event
+from sistap.tap.sis.telegram import build
 
 LINE = LineSettings()  # 9600 8E1
 START_NS = 1_700_000_000_000_000_000

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import pytest
 
-from sistap.line.settings import Flag, LineSettings
-from sistap.records.record import Record, Type
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.record import Record, Type
 
 NS = 1_000_000_000
 SIGROK = shutil.which("sigrok-cli")

@@ -19,12 +19,12 @@ from portable import posix
 
 import sistap
 from sistap.cli import COMMANDS, examples
-from sistap.common.packages import missing
-from sistap.common.packed import unpack
-from sistap.terminal import rights
-from sistap.terminal.advice import advice, shell_word
-from sistap.terminal.console import Console
-from sistap.terminal.rights import as_typed
+from sistap.tap.common.packages import missing
+from sistap.tap.common.packed import unpack
+from sistap.tap.terminal import rights
+from sistap.tap.terminal.advice import advice, shell_word
+from sistap.tap.terminal.console import Console
+from sistap.tap.terminal.rights import as_typed
 
 PACKAGE = Path(sistap.__file__).parent
 WORDS = re.compile("dmesg|limits.conf|apt-get|dialout|python3-|libpcap0")

@@ -15,15 +15,15 @@ from hypothesis import strategies as st
 from logs import LOGS
 from specification import TELEGRAMS
 
-from sistap.annotate.annotating import Passage, annotate_live, annotate_recorded, record
-from sistap.annotate.annotator import TextAnnotator
-from sistap.annotate.choosing import AnyReader
-from sistap.annotate.explaining import WholeCapture
-from sistap.annotate.spool import Spool
-from sistap.annotate.textlog import LogLine, lines
-from sistap.common.writing import Incomplete
-from sistap.explain.fields import Said, sentence
-from sistap.records.record import Record
+from sistap.commands.annotate.annotating import Passage, annotate_live, annotate_recorded, record
+from sistap.commands.annotate.annotator import TextAnnotator
+from sistap.commands.annotate.choosing import AnyReader
+from sistap.commands.annotate.explaining import WholeCapture
+from sistap.commands.annotate.spool import Spool
+from sistap.commands.annotate.textlog import LogLine, lines
+from sistap.dissected.explain.fields import Said, sentence
+from sistap.tap.common.writing import Incomplete
+from sistap.tap.records.record import Record
 
 PHASE = TELEGRAMS["8-21"].hex(" ").upper()
 

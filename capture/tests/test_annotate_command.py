@@ -25,14 +25,14 @@ from report_capture import ACCEPT, READ, SET_TRS
 from report_capture import ANSWER as READ_ANSWER
 
 from sistap import cli
-from sistap.annotate import command
-from sistap.annotate.annotating import LONGEST_LINE
-from sistap.annotate.explaining import WholeCapture
-from sistap.annotate.sources import from_pipe
-from sistap.episodes.rules import Thresholds
-from sistap.explain.fields import Fields
-from sistap.records.record import Record, Type
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.annotate import command
+from sistap.commands.annotate.annotating import LONGEST_LINE
+from sistap.commands.annotate.explaining import WholeCapture
+from sistap.commands.annotate.sources import from_pipe
+from sistap.dissected.episodes.rules import Thresholds
+from sistap.dissected.explain.fields import Fields
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.records.record import Record, Type
 
 ANNOTATE = [sys.executable, "-m", "sistap", "annotate"]
 

@@ -12,10 +12,10 @@ from random import Random
 import pytest
 
 from sistap import cli
-from sistap.annotate.annotating import Passage
-from sistap.annotate.choosing import AnyReader
-from sistap.annotate.textlog import lines
-from sistap.terminal.exits import DONE, USAGE
+from sistap.commands.annotate.annotating import Passage
+from sistap.commands.annotate.choosing import AnyReader
+from sistap.commands.annotate.textlog import lines
+from sistap.tap.terminal.exits import DONE, USAGE
 
 _WORDS = "start of job done failed connect timeout port read write session user cache error 0x1f retry device".split()
 

@@ -11,16 +11,16 @@ from hypothesis import strategies as st
 from logs import LOGS, PHASE, READ_PHASE, SET_RATE, Expected
 from specification import TELEGRAMS
 
-from sistap.annotate.annotating import Passage
-from sistap.annotate.choosing import AnyReader
-from sistap.annotate.marks import MASK
-from sistap.annotate.notations import BY_NAME, PAIRS, plain
-from sistap.annotate.pattern import PatternReader
-from sistap.annotate.reading import LogReader
-from sistap.annotate.textlog import lines
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag
-from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
-from sistap.records.record import Record, Type
+from sistap.commands.annotate.annotating import Passage
+from sistap.commands.annotate.choosing import AnyReader
+from sistap.commands.annotate.marks import MASK
+from sistap.commands.annotate.notations import BY_NAME, PAIRS, plain
+from sistap.commands.annotate.pattern import PatternReader
+from sistap.commands.annotate.reading import LogReader
+from sistap.commands.annotate.textlog import lines
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag
+from sistap.tap.records.cut import PROCEDURE_3964R, SIS, Cut
+from sistap.tap.records.record import Record, Type
 
 
 def records(

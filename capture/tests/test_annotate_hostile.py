@@ -7,9 +7,9 @@ import time
 
 import pytest
 
-from sistap.annotate.annotating import LONGEST_LINE, Passage
-from sistap.annotate.choosing import AnyReader
-from sistap.annotate.textlog import lines
+from sistap.commands.annotate.annotating import LONGEST_LINE, Passage
+from sistap.commands.annotate.choosing import AnyReader
+from sistap.commands.annotate.textlog import lines
 
 _SECONDS = 5  # of a processor, for 50,000 characters
 # What a line repeats, and what it ends with.

@@ -13,7 +13,7 @@ from portable import NO_TSHARK, posix
 from report_capture import BUS, READ, Sent, write
 from specification import TELEGRAMS
 
-from sistap.records.record import Type
+from sistap.tap.records.record import Type
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 ZONE = "CET-1CEST,M3.5.0,M10.5.0/3"  # central Europe, with rules that need no file

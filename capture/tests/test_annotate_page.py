@@ -16,7 +16,7 @@ import pytest
 from logs import LOGS
 from portable import WINDOWS
 
-from sistap.annotate import page
+from sistap.commands.annotate import page
 
 NAME = "a & c.txt" if WINDOWS else "a <b> & c.txt"
 

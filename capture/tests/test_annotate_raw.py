@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from logs import LOGS, PHASE, READ_PHASE, SET_RATE
 from specification import TELEGRAMS
 
-from sistap.annotate.raw import RawCutter, RawReader, is_raw
-from sistap.captures.reading import records
-from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
-from sistap.records.record import Type
+from sistap.commands.annotate.raw import RawCutter, RawReader, is_raw
+from sistap.dissected.captures.reading import records
+from sistap.tap.records.cut import PROCEDURE_3964R, SIS, Cut
+from sistap.tap.records.record import Type
 
 HEADING = "=~=~=~=~=~=~=~=~=~=~=~= PuTTY log 2013.03.14 08:21:14 =~=~=~=~=~=~=~=~=~=~=~="
 BLOCK = bytes.fromhex("02 00 00 00 00 41 44 05 00 00 02 FF FF 12 34 10 03")

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 import pytest
 from portable import WINDOWS, posix, take_over_zone
 
-from sistap.annotate.stamps import TimestampParser
+from sistap.commands.annotate.stamps import TimestampParser
 
 
 @pytest.fixture(autouse=True)

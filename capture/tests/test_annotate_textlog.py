@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.annotate.textlog import LineCutter, LogLine, lines
+from sistap.commands.annotate.textlog import LineCutter, LogLine, lines
 
 
 def joined(found: list[LogLine]) -> bytes:

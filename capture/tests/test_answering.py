@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.bus.stations.making import make
-from sistap.bus.wires.answering import Answering, BusTime, serve
-from sistap.bus.wires.receiver import Receiver
-from sistap.line.settings import LineSettings
-from sistap.sis.telegram import build, checksum_good
+from sistap.commands.bus.stations.making import make
+from sistap.commands.bus.wires.answering import Answering, BusTime, serve
+from sistap.commands.bus.wires.receiver import Receiver
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.sis.telegram import build, checksum_good
 
 MS = 1_000_000
 TZA_NS = 5 * MS

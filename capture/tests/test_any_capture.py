@@ -19,19 +19,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_capture import ACCEPT, SET_TRS, SET_TZA
 
-from sistap.accesses.access import Access
-from sistap.episodes.live import LIVE
-from sistap.explain.relay import Entry, Judged
-from sistap.files import pcapng
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.recorder import outlets
-from sistap.recorder.outlets import Value
-from sistap.recorder.values import Values
-from sistap.recorder.watching import judges
-from sistap.records.record import INTERVAL_MAX, Event, Framing, Record, Type, event
-from sistap.sis.telegram import build
-from sistap.terminal.exits import DONE, FAILED, USAGE
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.recorder import outlets
+from sistap.commands.recorder.outlets import Value
+from sistap.commands.recorder.values import Values
+from sistap.commands.recorder.watching import judges
+from sistap.dissected.accesses.access import Access
+from sistap.dissected.episodes.live import LIVE
+from sistap.dissected.explain.relay import Entry, Judged
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.tap.records.record import INTERVAL_MAX, Event, Framing, Record, Type, event
+from sistap.tap.sis.telegram import build
+from sistap.tap.terminal.exits import DONE, FAILED, USAGE
 
 START_NS = 1_700_000_000_000_000_000
 EVERY_FLAG = 0x7F

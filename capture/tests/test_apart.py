@@ -12,14 +12,14 @@ from typing import Any
 import pytest
 from commands import run
 
-from sistap.captures.portions import Portion
-from sistap.explain.fields import Fields
-from sistap.files import pcapng
-from sistap.packets.apart import apart
-from sistap.packets.dissection import FIELDS, Dissection, Telegram, packet_of
-from sistap.sis.telegram import build
-from sistap.wireshark.rows import JOINT
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures.portions import Portion
+from sistap.dissected.explain.fields import Fields
+from sistap.dissected.packets.apart import apart
+from sistap.dissected.packets.dissection import FIELDS, Dissection, Telegram, packet_of
+from sistap.dissected.wireshark.rows import JOINT
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+from sistap.tap.sis.telegram import build
 
 START_NS, MS = 1_700_000_000_000_000_000, 1_000_000
 ROUNDS, DIES = 60, 20  # from that round on, station 4 answers no more

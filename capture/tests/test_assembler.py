@@ -6,10 +6,10 @@ from __future__ import annotations
 import pytest
 from specification import TELEGRAMS
 
-from sistap.line.settings import Flag, LineSettings, Read
-from sistap.records.assembler import Assembler
-from sistap.records.cut import SIS, Cut
-from sistap.records.record import Event, Framing, Record, Type
+from sistap.tap.line.settings import Flag, LineSettings, Read
+from sistap.tap.records.assembler import Assembler
+from sistap.tap.records.cut import SIS, Cut
+from sistap.tap.records.record import Event, Framing, Record, Type
 
 pytestmark = pytest.mark.tap
 

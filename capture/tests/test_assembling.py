@@ -11,16 +11,16 @@ from pathlib import Path
 import pytest
 from specification import TELEGRAMS
 
-from sistap.capture import session
-from sistap.capture.session import Capture
-from sistap.capture.tap import Conditions
-from sistap.files.output import Limits, Output
-from sistap.line.reader import PortLost, Reader
-from sistap.line.settings import LineSettings, Read
-from sistap.records.counters import Counters
-from sistap.records.cut import Cut
-from sistap.records.record import Event, Framing, Record, Type
-from sistap.terminal.stop import Stop
+from sistap.tap.capture import session
+from sistap.tap.capture.session import Capture
+from sistap.tap.capture.tap import Conditions
+from sistap.tap.files.output import Limits, Output
+from sistap.tap.line.reader import PortLost, Reader
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.cut import Cut
+from sistap.tap.records.record import Event, Framing, Record, Type
+from sistap.tap.terminal.stop import Stop
 
 pytestmark = pytest.mark.tap
 
@@ -213,7 +213,7 @@ def test_before_the_first_character_the_time_is_that_of_this_machine(
         def step_ns(self) -> int:
             return 0
 
-    monkeypatch.setattr("sistap.capture.tap.CLOCK", WallClock())
+    monkeypatch.setattr("sistap.tap.capture.tap.CLOCK", WallClock())
     assert take(tmp_path, end_ns=SECOND).sink.ended_ns == EPOCH
 
 

@@ -14,8 +14,8 @@ import pytest
 from commands import refused, run
 from portable import fifos
 
-from sistap.parameters.backup import Damaged, drives
-from sistap.telegrams.values import Attribute, decoded, encoded, same
+from sistap.commands.parameters.backup import Damaged, drives
+from sistap.dissected.telegrams.values import Attribute, decoded, encoded, same
 
 PAR = Path(__file__).parent / "drive.par"
 CAPTURE = PAR.parents[2] / "test-captures" / "accesses.pcapng"

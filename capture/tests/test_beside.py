@@ -12,19 +12,19 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.beside.aligning import aligned, frames
-from sistap.beside.comparing import Comparison
-from sistap.beside.lateness import Late, Lateness, drawing, measured
-from sistap.captures.reading import records
-from sistap.common.quantiles import quantile
-from sistap.draw.svg import svg
-from sistap.files.output import Output
-from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.files.writer import PcapngWriter
-from sistap.line.settings import Read
-from sistap.records.assembler import Assembler
-from sistap.records.counters import Counters
-from sistap.records.record import Type
+from sistap.commands.beside.aligning import aligned, frames
+from sistap.commands.beside.comparing import Comparison
+from sistap.commands.beside.lateness import Late, Lateness, drawing, measured
+from sistap.dissected.captures.reading import records
+from sistap.dissected.draw.svg import svg
+from sistap.tap.common.quantiles import quantile
+from sistap.tap.files.output import Output
+from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.line.settings import Read
+from sistap.tap.records.assembler import Assembler
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import Type
 
 MS = 1_000_000
 HOUR = 3_600_000 * MS

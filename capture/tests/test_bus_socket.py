@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from sistap.line.settings import Read
-from sistap.wire import protocol
+from sistap.tap.line.settings import Read
+from sistap.tap.wire import protocol
 
 YEAR_2226_NS = 8_100_000_000_000_000_000
 STRANGER = "the other end of the socket is not a sistap bus"

@@ -23,25 +23,25 @@ from portable import NO_TSHARK, SIGNALS, WINDOWS, libpcap, posix, terminals
 from specification import TELEGRAMS
 
 from sistap import cli
-from sistap.capture import running as capture_ports
-from sistap.capture import session
-from sistap.capture.tap import Conditions
-from sistap.explain import live
-from sistap.explain.plain import PlainText
-from sistap.files.output import Output
-from sistap.files.pcapng import Interface
-from sistap.files.writer import PcapngWriter
-from sistap.line import others, ports
-from sistap.line.clock import Clock
-from sistap.line.others import Others
-from sistap.line.reader import PortError, PortLost, latency
-from sistap.line.reader.computer import Still
-from sistap.line.settings import ERROR_FLAGS, Flag, LineSettings, Read
-from sistap.records.counters import Counters
-from sistap.records.record import Event, Framing, Type
-from sistap.sis.telegram import checksum_good
-from sistap.terminal.console import Console
-from sistap.terminal.stop import Stop
+from sistap.dissected.explain import live
+from sistap.dissected.explain.plain import PlainText
+from sistap.tap.capture import running as capture_ports
+from sistap.tap.capture import session
+from sistap.tap.capture.tap import Conditions
+from sistap.tap.files.output import Output
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.line import others, ports
+from sistap.tap.line.clock import Clock
+from sistap.tap.line.others import Others
+from sistap.tap.line.reader import PortError, PortLost, latency
+from sistap.tap.line.reader.computer import Still
+from sistap.tap.line.settings import ERROR_FLAGS, Flag, LineSettings, Read
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import Event, Framing, Type
+from sistap.tap.sis.telegram import checksum_good
+from sistap.tap.terminal.console import Console
+from sistap.tap.terminal.stop import Stop
 
 pytestmark = pytest.mark.tap
 
@@ -52,7 +52,7 @@ if sys.platform != "win32":
     import termios
     import tty
 
-    from sistap.line.reader.device import PosixReader
+    from sistap.tap.line.reader.device import PosixReader
 
 START_NS = 1_700_000_000_000_000_000
 ALL = list(TELEGRAMS.values())
@@ -256,7 +256,7 @@ def test_what_a_full_disk_leaves_is_what_the_summary_counts(
         return write_really(descriptor, data[:count])
 
     write_really = os.write
-    monkeypatch.setattr("sistap.files.output._File.write_some", lambda file, data: write(file.descriptor, data))
+    monkeypatch.setattr("sistap.tap.files.output._File.write_some", lambda file, data: write(file.descriptor, data))
     damaged = ALL[0][:-1] + b"\xff"
     what = [*reads(*ALL, damaged), *reads(b"lost", flag=Flag.LOST_BEFORE), *reads(*ALL * 4)]
     assert run(FakeReader(what), "-w", str(tmp_path / "x.pcapng"), *options) == 1
@@ -397,7 +397,7 @@ class SilentReader(FakeReader):
         super().__init__([])
         self.now = 100.0
         self.count = count
-        monkeypatch.setattr("sistap.files.output.time.monotonic", lambda: self.now)
+        monkeypatch.setattr("sistap.tap.files.output.time.monotonic", lambda: self.now)
 
     def read(self, timeout_s: float) -> Read | None:
         self.now += 0.1
@@ -439,7 +439,7 @@ def test_if_the_next_file_cannot_be_opened_all_is_in_the_one_before(
 ) -> None:
     path = tmp_path / "x"
     names = iter([str(path), "/missing/x"])
-    monkeypatch.setattr("sistap.files.output.file_name", lambda *_: next(names))
+    monkeypatch.setattr("sistap.tap.files.output.file_name", lambda *_: next(names))
     what = reads(b"".join(ALL), b"text")
     assert run(FakeReader(what), "-w", str(path), "-b", "filesize:1") == 1
     assert b"".join(record.data for record in records(path)[1:]) in (b"".join(ALL), b"".join(ALL) + b"text")
@@ -719,7 +719,7 @@ def test_a_wall_clock_that_is_set_is_an_event(
     clock = FakeClock()
     hour = 3_600_000_000_000
     monkeypatch.setattr(
-        "sistap.capture.tap.CLOCK", Clock(clock, lambda: START_NS + clock.ns + (hour if clock.ns else 0))
+        "sistap.tap.capture.tap.CLOCK", Clock(clock, lambda: START_NS + clock.ns + (hour if clock.ns else 0))
     )
     (said,) = marked_in_silence(clock, tmp_path / "x.pcapng", duration_s=4)
     assert said.startswith("the wall clock moved by +3600.000 s (it was set, or the computer slept); ")

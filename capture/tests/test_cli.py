@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from sistap import cli
-from sistap.terminal.exits import DONE, USAGE
+from sistap.tap.terminal.exits import DONE, USAGE
 
 pytestmark = pytest.mark.tap
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.line.clock import Clock
+from sistap.tap.line.clock import Clock
 
 pytestmark = pytest.mark.tap
 

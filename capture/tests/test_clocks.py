@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from sistap.line import clock
-from sistap.line.settings import LineSettings
+from sistap.tap.line import clock
+from sistap.tap.line.settings import LineSettings
 
 TICK_S = 0.015625
 
@@ -51,14 +51,14 @@ def test_the_wall_clock_of_windows_is_the_precise_one() -> None:
 
 
 def test_all_of_sistap_has_one_steady_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    from sistap import windows
-    from sistap.bus.wires import wire
-    from sistap.capture import session
-    from sistap.line.reader import computer, pyserial, several
+    from sistap.commands.bus.wires import wire
+    from sistap.tap import windows
+    from sistap.tap.capture import session
+    from sistap.tap.line.reader import computer, pyserial, several
 
     modules: list[ModuleType] = [wire, session, computer, several, pyserial, windows]
     if sys.platform != "win32":
-        from sistap.line.reader import delay, device
+        from sistap.tap.line.reader import delay, device
 
         modules += [delay, device]
     for module in modules:
@@ -66,7 +66,7 @@ def test_all_of_sistap_has_one_steady_clock(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_what_a_url_says_of_its_times_names_the_clock() -> None:
-    from sistap.line.reader.pyserial import UrlReader
+    from sistap.tap.line.reader.pyserial import UrlReader
 
     reader = UrlReader("loop://", LineSettings())
     reader.close()

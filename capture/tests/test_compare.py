@@ -14,8 +14,8 @@ import pytest
 from commands import refused, run
 from report_capture import ACCEPT, ANSWER, BUS, READ, READ_4, SET_TRS, SET_TZA, Sent, write
 
-from sistap.line.settings import Flag
-from sistap.sis.telegram import build
+from sistap.tap.line.settings import Flag
+from sistap.tap.sis.telegram import build
 
 READ_BODY, ANSWER_BODY = bytes.fromhex("3C 03 00 28 00"), bytes.fromhex("00 3C 03 E8 03")  # those of READ, ANSWER
 

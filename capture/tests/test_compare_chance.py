@@ -9,8 +9,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from sistap.compare.chance import CERTAIN, corrected, of_counts, of_middle, of_share, of_tail, rank_test
-from sistap.compare.samples import MOST, Pieces, Samples
+from sistap.commands.compare.chance import CERTAIN, corrected, of_counts, of_middle, of_share, of_tail, rank_test
+from sistap.commands.compare.samples import MOST, Pieces, Samples
 
 
 def test_ranks_apart() -> None:

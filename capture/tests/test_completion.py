@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.install import completion
+from sistap.commands.install import completion
 
 COMMANDS = next(action for action in cli.parser()._actions if isinstance(action, argparse._SubParsersAction)).choices
 

@@ -13,11 +13,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from sistap.capture.hints import Exactness
-from sistap.line.reader import delay, latency, open_reader
-from sistap.line.reader.delay import Computer
-from sistap.line.reader.device import PosixReader
-from sistap.line.settings import LineSettings, Read
+from sistap.tap.capture.hints import Exactness
+from sistap.tap.line.reader import delay, latency, open_reader
+from sistap.tap.line.reader.delay import Computer
+from sistap.tap.line.reader.device import PosixReader
+from sistap.tap.line.settings import LineSettings, Read
 
 pytestmark = pytest.mark.tap
 

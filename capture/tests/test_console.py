@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from portable import descriptors
 
-from sistap.terminal.console import Console
+from sistap.tap.terminal.console import Console
 
 pytestmark = pytest.mark.tap
 

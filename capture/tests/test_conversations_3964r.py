@@ -26,11 +26,11 @@ from hypothesis import strategies as st
 from meeting_bus import VALUES, axes, command_of, ppc, s5
 from portable import terminals
 
-from sistap.bus.procedure3964.controls import S5, Ppc
-from sistap.bus.procedure3964.partner import Saying
-from sistap.line.settings import LineSettings, Read
-from sistap.records.cut import PROCEDURE_3964R
-from sistap.records.record import Record
+from sistap.commands.bus.procedure3964.controls import S5, Ppc
+from sistap.commands.bus.procedure3964.partner import Saying
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.records.cut import PROCEDURE_3964R
+from sistap.tap.records.record import Record
 
 ERRORS = 0.12  # of all that is said
 SPEED = 20  # times real time, at a terminal

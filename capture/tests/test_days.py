@@ -18,23 +18,23 @@ from pcapng.blocks import InterfaceStatistics
 from test_bus import TIMEOUT_S
 from test_stations import drive
 
-from sistap.bus.playing.characters import NO_FAULTS, Played, reads
-from sistap.bus.playing.conducting import Rate
-from sistap.bus.playing.player import Player
-from sistap.bus.scenarios.demo import read_parameter
-from sistap.bus.wires.taps import Taps
-from sistap.bus.wires.wire import Pace
-from sistap.capture import session
-from sistap.files.output import Limits, Output
-from sistap.files.pcapng import Interface
-from sistap.files.writer import PcapngWriter
-from sistap.line.clock import Clock
-from sistap.line.settings import LineSettings, Read
-from sistap.records.counters import Counters
-from sistap.records.record import Event, Type
-from sistap.terminal.console import Console
-from sistap.terminal.stop import Stop
-from sistap.wire.connection import WireReader
+from sistap.commands.bus.playing.characters import NO_FAULTS, Played, reads
+from sistap.commands.bus.playing.conducting import Rate
+from sistap.commands.bus.playing.player import Player
+from sistap.commands.bus.scenarios.demo import read_parameter
+from sistap.commands.bus.wires.taps import Taps
+from sistap.commands.bus.wires.wire import Pace
+from sistap.tap.capture import session
+from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.line.clock import Clock
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import Event, Type
+from sistap.tap.terminal.console import Console
+from sistap.tap.terminal.stop import Stop
+from sistap.tap.wire.connection import WireReader
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")
@@ -108,11 +108,11 @@ def test_hours(hours: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         assert bus.stdout
         machine = Machine()
         reader = StampingReader(bus.stdout.readline().strip(), machine)
-        monkeypatch.setattr("sistap.capture.tap.CLOCK", machine.clock)
+        monkeypatch.setattr("sistap.tap.capture.tap.CLOCK", machine.clock)
         folder = tmp_path / "files"
         folder.mkdir()
         with monkeypatch.context() as patched:
-            patched.setattr("sistap.files.output.time.monotonic", lambda: machine.monotonic / 1e9)
+            patched.setattr("sistap.tap.files.output.time.monotonic", lambda: machine.monotonic / 1e9)
             output = Output(str(folder / "x"), Limits(duration_s=3600, several=True))
             counters = Counters()
             sink = PcapngWriter(output, {0: Interface(252, "x")}, counters)

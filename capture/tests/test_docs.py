@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from sistap.capture import hints
-from sistap.extcap import dialog
+from sistap.commands.extcap import dialog
+from sistap.tap.capture import hints
 
 CAPTURE = Path(__file__).parents[1]
 HOUSE = CAPTURE.parent
@@ -25,8 +25,8 @@ LONGER = {  # lists to look something up in
     *("CHANGELOG.md", "SECURITY.md", "plugin/REFERENCE.md", "test-captures/pages/glossary.md"),
     *(
         "capture/benchmark/README.md",
-        "capture/sistap/bus/scenarios/README.md",
-        "capture/sistap/bus/devices/sets/README.md",
+        "capture/sistap/commands/bus/scenarios/README.md",
+        "capture/sistap/commands/bus/devices/sets/README.md",
     ),
 }
 

@@ -19,14 +19,15 @@ import serial
 from portable import descriptors
 from real_driver import Driver
 
-from sistap import cli, doctor
-from sistap.analyser import probe, reader
-from sistap.analyser.probe import Analyser
-from sistap.doctor import Point
-from sistap.line import measurement, others, ports, priority
-from sistap.line.reader import latency
-from sistap.line.reader.computer import Still
-from sistap.wireshark.tshark import TsharkError
+from sistap import cli
+from sistap.commands import doctor
+from sistap.commands.doctor import Point
+from sistap.dissected.wireshark.tshark import TsharkError
+from sistap.tap.analyser import probe, reader
+from sistap.tap.analyser.probe import Analyser
+from sistap.tap.line import measurement, others, ports, priority
+from sistap.tap.line.reader import latency
+from sistap.tap.line.reader.computer import Still
 
 TSHARK = "TShark (Wireshark) 4.2.5 (Git v4.2.5 packaged as 4.2.5-1).\n"
 PLUGIN = (
@@ -142,7 +143,7 @@ def test_no_libpcap(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_no_self_test(capsys: pytest.CaptureFixture[str], state: Path) -> None:
-    file = state / "sistap/selftest.json"
+    file = state / "sistap/commands/selftest.json"
     file.write_text("{")
     assert "is not what `sistap selftest` writes" in examined(capsys)[1]["self-test"][1]
     file.unlink()

@@ -11,10 +11,10 @@ from independent import Packet, packets
 from portable import signals
 from test_bus import MANY_FAULTS_TEXT, TIMEOUT_S, expected_of, finish, logged, running
 
-from sistap.line.settings import Flag
-from sistap.records.record import Record, Type
-from sistap.sis.telegram import checksum_good
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import Record, Type
+from sistap.tap.sis.telegram import checksum_good
 
 # python-pcapng warns of itself.
 pytestmark = pytest.mark.filterwarnings("ignore:Field type should not be:DeprecationWarning")

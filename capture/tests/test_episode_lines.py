@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from sistap.episodes.episode import Episode, Hit
-from sistap.episodes.folding import fold
-from sistap.episodes.lines import lines
-from sistap.episodes.rules import RULES, THRESHOLDS, Severity
+from sistap.dissected.episodes.episode import Episode, Hit
+from sistap.dissected.episodes.folding import fold
+from sistap.dissected.episodes.lines import lines
+from sistap.dissected.episodes.rules import RULES, THRESHOLDS, Severity
 
 EVENING = datetime(2026, 11, 21, 22)  # noqa: DTZ001 - local time, as it is shown
 

@@ -19,18 +19,18 @@ from machines import FAULT, LAPTOP, RUNS, Machine, access, packet, telegram
 from report_capture import ANSWER, READ, Sent, write
 
 from sistap import cli
-from sistap.episodes.book import MOST, Book
-from sistap.episodes.engine import Engine
-from sistap.episodes.episode import PACKETS, Episode, Hit
-from sistap.episodes.levels import Levels
-from sistap.episodes.rules import RULES, THRESHOLDS, Severity, Subject
-from sistap.episodes.silence import BusSilence, StationSilence
-from sistap.episodes.states import Rate
-from sistap.episodes.trend import trend
-from sistap.packets.dissection import Telegram
-from sistap.records.record import KEPT, Event
-from sistap.terminal.exits import USAGE
-from sistap.wireshark.rows import EVENT
+from sistap.dissected.episodes.book import MOST, Book
+from sistap.dissected.episodes.engine import Engine
+from sistap.dissected.episodes.episode import PACKETS, Episode, Hit
+from sistap.dissected.episodes.levels import Levels
+from sistap.dissected.episodes.rules import RULES, THRESHOLDS, Severity, Subject
+from sistap.dissected.episodes.silence import BusSilence, StationSilence
+from sistap.dissected.episodes.states import Rate
+from sistap.dissected.episodes.trend import trend
+from sistap.dissected.packets.dissection import Telegram
+from sistap.dissected.wireshark.rows import EVENT
+from sistap.tap.records.record import KEPT, Event
+from sistap.tap.terminal.exits import USAGE
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 

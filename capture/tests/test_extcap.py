@@ -14,11 +14,11 @@ import pytest
 from portable import WINDOWS, libpcap, posix
 
 from sistap import cli
-from sistap.analyser import probe
-from sistap.extcap import command, interfaces, started
-from sistap.install.shell import launcher
-from sistap.line import ports
-from sistap.line.ports import Adapter
+from sistap.commands.extcap import command, interfaces, started
+from sistap.commands.install.shell import launcher
+from sistap.tap.analyser import probe
+from sistap.tap.line import ports
+from sistap.tap.line.ports import Adapter
 
 CAPTURE = Path(__file__).parents[1]
 

@@ -24,9 +24,9 @@ from specification import TELEGRAMS
 from test_serve import serving
 
 import sistap
-from sistap.line.settings import Flag
-from sistap.records.record import Event, Framing, Record, Type, unpack
-from sistap.sis.telegram import checksum_good
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import Event, Framing, Record, Type, unpack
+from sistap.tap.sis.telegram import checksum_good
 
 CAPTURE = Path(__file__).parents[1]
 PATIENCE_S = 60
@@ -48,7 +48,7 @@ KEEPING = """\
 import sys
 from pathlib import Path
 from sistap import cli
-from sistap.terminal import state
+from sistap.tap.terminal import state
 state.FOR_ROOT = Path(sys.argv.pop(1))
 sys.exit(cli.main())
 """
@@ -442,4 +442,4 @@ def test_a_self_test_before_the_capture_says_how_exact_it_is(
         wireshark := Wireshark(tmp_path, line[1], "--uncertainty", "selftest", toolbar=False, sistap=keeping)
     )
     assert b"measured by selftest on" in wireshark.event(Event.CAPTURE_STARTED).data
-    assert (state / "sistap/selftest.json").exists()
+    assert (state / "sistap/commands/selftest.json").exists()

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 import sistap
-from sistap.install.shell import launcher
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.install.shell import launcher
+from sistap.dissected.wireshark.tshark import Tshark
 
 NOT_LONGER = ["-a", "duration:60"]
 

@@ -10,8 +10,8 @@ import pytest
 from portable import libpcap
 from specification import TELEGRAMS
 
-from sistap.capture import filter as bpf
-from sistap.terminal.advice import advice
+from sistap.tap.capture import filter as bpf
+from sistap.tap.terminal.advice import advice
 
 pytestmark = pytest.mark.tap
 

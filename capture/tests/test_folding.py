@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from sistap.episodes.episode import ARROW, Episode, Hit
-from sistap.episodes.folding import EXPLAINS, fold
-from sistap.episodes.rules import THRESHOLDS, Severity
+from sistap.dissected.episodes.episode import ARROW, Episode, Hit
+from sistap.dissected.episodes.folding import EXPLAINS, fold
+from sistap.dissected.episodes.rules import THRESHOLDS, Severity
 
 FROM_S, TO_S = 10_000.0, 10_100.0
 

@@ -6,11 +6,11 @@ from __future__ import annotations
 import pytest
 from specification import TELEGRAMS
 
-from sistap.capture.rate import Steering
-from sistap.line.settings import LineSettings, Read
-from sistap.records.framer import SisFramer
-from sistap.sis.initialization import Follow
-from sistap.sis.telegram import build
+from sistap.tap.capture.rate import Steering
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.records.framer import SisFramer
+from sistap.tap.sis.initialization import Follow
+from sistap.tap.sis.telegram import build
 
 pytestmark = pytest.mark.tap
 

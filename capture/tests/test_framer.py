@@ -12,11 +12,11 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from specification import TELEGRAMS
 
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
-from sistap.records.cut import Cut
-from sistap.records.framer import Framer, SilenceFramer, SisFramer
-from sistap.records.record import INTERVAL_MAX, Framing, Record, Type
-from sistap.sis import telegram
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
+from sistap.tap.records.cut import Cut
+from sistap.tap.records.framer import Framer, SilenceFramer, SisFramer
+from sistap.tap.records.record import INTERVAL_MAX, Framing, Record, Type
+from sistap.tap.sis import telegram
 
 pytestmark = pytest.mark.tap
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.explain.plain import lines
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
-from sistap.records.counters import Counters
-from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
-from sistap.records.framer_3964r import BLOCK_LIMIT, Framer3964R
-from sistap.records.record import INTERVAL_MAX, Framing, Record, Type
+from sistap.dissected.explain.plain import lines
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.cut import PROCEDURE_3964R, SIS, Cut
+from sistap.tap.records.framer_3964r import BLOCK_LIMIT, Framer3964R
+from sistap.tap.records.record import INTERVAL_MAX, Framing, Record, Type
 
 pytestmark = pytest.mark.tap
 

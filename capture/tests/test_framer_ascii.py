@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.line.settings import LineSettings, Read
-from sistap.records.cut import Cut
-from sistap.records.framer import RUN_LIMIT
-from sistap.records.record import Framing, Record, Type
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.records.cut import Cut
+from sistap.tap.records.framer import RUN_LIMIT
+from sistap.tap.records.record import Framing, Record, Type
 
 pytestmark = pytest.mark.tap
 

@@ -15,7 +15,7 @@ from commands import TIMEOUT_S
 from portable import posix
 
 from sistap.cli import COMMANDS
-from sistap.terminal import state
+from sistap.tap.terminal import state
 
 pytestmark = [posix("it has no /dev/full"), pytest.mark.thorough, pytest.mark.tap]
 FULL = pytest.mark.attack(

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.common import pages
-from sistap.web import help as handbook
+from sistap.commands.web import help as handbook
+from sistap.tap.common import pages
 
 
 @pytest.fixture

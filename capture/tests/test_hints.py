@@ -8,14 +8,14 @@ import random
 import pytest
 from specification import TELEGRAMS
 
-from sistap.capture.hints import Hints
-from sistap.capture.rate import Scan
-from sistap.line import others
-from sistap.line.others import Others
-from sistap.line.settings import Flag, LineSettings, Read
-from sistap.records.counters import Counters
-from sistap.records.framer import SisFramer
-from sistap.records.record import Framing
+from sistap.tap.capture.hints import Hints
+from sistap.tap.capture.rate import Scan
+from sistap.tap.line import others
+from sistap.tap.line.others import Others
+from sistap.tap.line.settings import Flag, LineSettings, Read
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.framer import SisFramer
+from sistap.tap.records.record import Framing
 
 pytestmark = pytest.mark.tap
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.extcap import dialog
-from sistap.extcap.interfaces import ANALYSER, DEMO, DISTANT
+from sistap.commands.extcap import dialog
+from sistap.commands.extcap.interfaces import ANALYSER, DEMO, DISTANT
 
 QUESTIONS = ["--extcap-interfaces", "--extcap-dlts", "--extcap-config", "--capture", ""]
 NAMES = [DEMO, DISTANT, ANALYSER, "", "../..", "x\0y", "é\udcff", "-w", "%s%n", "A" * 9999]

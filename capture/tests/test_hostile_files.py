@@ -14,9 +14,9 @@ from attacks import ROOT
 from commands import refused, run
 from portable import modes
 
-from sistap.files import pcapng
-from sistap.parameters.writing import csv_line
-from sistap.terminal.writing import mode_like
+from sistap.commands.parameters.writing import csv_line
+from sistap.tap.files import pcapng
+from sistap.tap.terminal.writing import mode_like
 
 TELEGRAM = bytes.fromhex("02 6C 00 00 00 92 00 00")
 LATEST = (1 << 64) - 1  # ticks of a time stamp

@@ -19,10 +19,10 @@ import pytest
 from attacks import ROOT
 from portable import signals
 
-from sistap.line.reader import PortError
-from sistap.line.settings import Flag, Happening, LineSettings, Notice, Read
-from sistap.wire import connection, distant, protocol
-from sistap.wire.protocol import Hello, Kind
+from sistap.tap.line.reader import PortError
+from sistap.tap.line.settings import Flag, Happening, LineSettings, Notice, Read
+from sistap.tap.wire import connection, distant, protocol
+from sistap.tap.wire.protocol import Hello, Kind
 
 pytestmark = pytest.mark.tap
 

@@ -18,17 +18,17 @@ from commands import run
 from logs import PHASE
 from report_capture import BUS, Sent, records, write
 
-from sistap import doctor
-from sistap import ports as command
-from sistap.extcap import interfaces
-from sistap.extcap.interfaces import plain
-from sistap.files import pcapng
-from sistap.line import ports
-from sistap.line.ports import Adapter
-from sistap.line.settings import LineSettings
-from sistap.records.record import Event, event
-from sistap.sis.telegram import build
-from sistap.terminal.console import Console, visible
+from sistap.commands import doctor
+from sistap.commands.extcap import interfaces
+from sistap.commands.extcap.interfaces import plain
+from sistap.tap import ports as command
+from sistap.tap.files import pcapng
+from sistap.tap.line import ports
+from sistap.tap.line.ports import Adapter
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Event, event
+from sistap.tap.sis.telegram import build
+from sistap.tap.terminal.console import Console, visible
 
 # A title for the window of a terminal, C1 controls, what turns the direction round, what nobody sees, what ends lines,
 # and what a page, a picture and a format take for their own.

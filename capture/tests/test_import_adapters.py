@@ -43,12 +43,12 @@ from usb_captures import (
     pl2303,
 )
 
-from sistap.imports import cdc as cdc_says
-from sistap.imports import ch340 as ch340_says
-from sistap.imports import cp210x as cp210x_says
-from sistap.imports.usb_transfers import Setup
-from sistap.line.settings import Flag, LineSettings
-from sistap.sis.telegram import build
+from sistap.commands.imports import cdc as cdc_says
+from sistap.commands.imports import ch340 as ch340_says
+from sistap.commands.imports import cp210x as cp210x_says
+from sistap.commands.imports.usb_transfers import Setup
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.sis.telegram import build
 
 RECEIVED, SENT = 1, 2
 LINE = LineSettings()  # 9600 8E1

@@ -18,11 +18,11 @@ import pytest
 from imported import Imported, run
 from sampled_wire import Sent, needs_sigrok, sampled
 
-from sistap.imports.formats import opened
-from sistap.imports.source import Told
-from sistap.line.settings import Flag, LineSettings
-from sistap.records.record import Framing, Type
-from sistap.terminal.exits import UsageError
+from sistap.commands.imports.formats import opened
+from sistap.commands.imports.source import Told
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.record import Framing, Type
+from sistap.tap.terminal.exits import UsageError
 
 CHARACTER_MS = 11 / 9.6
 TO_STOP_MS = 10.5 / 9.6  # from the start bit to the middle of the stop bit, 8E1

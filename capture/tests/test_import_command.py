@@ -15,14 +15,14 @@ from specification import TELEGRAMS
 from usb_captures import STATUS, ftdi
 
 from sistap import cli
-from sistap.files.output import Output
-from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.files.writer import PcapngWriter
-from sistap.imports.convert import Conversion
-from sistap.imports.formats import NAMES
-from sistap.line.settings import LineSettings, Read
-from sistap.records.counters import Counters
-from sistap.wireshark.tshark import TsharkError
+from sistap.commands.imports.convert import Conversion
+from sistap.commands.imports.formats import NAMES
+from sistap.dissected.wireshark.tshark import TsharkError
+from sistap.tap.files.output import Output
+from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.records.counters import Counters
 
 COMMAND, REACTION = TELEGRAMS["2-12"], TELEGRAMS["2-13"]
 TABLE = "Time [s],Value,Parity Error,Framing Error\n" + "".join(

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.captures.reading import packets
-from sistap.files import pcapng
-from sistap.files.pcapng import PacketFlags
-from sistap.imports import messages
+from sistap.commands.imports import messages
+from sistap.dissected.captures.reading import packets
+from sistap.tap.files import pcapng
+from sistap.tap.files.pcapng import PacketFlags
 
 TABLE = """\
 time,direction,bytes

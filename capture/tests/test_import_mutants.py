@@ -17,7 +17,7 @@ from real_captures import truth, unpacked
 from specification import TELEGRAMS
 from usb_captures import RTAC, pcap
 
-from sistap.terminal.exits import DONE, FAILED, USAGE
+from sistap.tap.terminal.exits import DONE, FAILED, USAGE
 
 FEW, MANY = 40, 400  # texts
 COMMAND, REACTION = TELEGRAMS["2-12"], TELEGRAMS["2-13"]

@@ -9,7 +9,7 @@ import pytest
 from imported import Imported, run
 from real_captures import truth, unpacked
 
-from sistap.line.settings import ERROR_FLAGS, Flag, LineSettings
+from sistap.tap.line.settings import ERROR_FLAGS, Flag, LineSettings
 
 SHARED, RECEIVED, SENT = 0, 1, 2
 BREAK, SOMEWHERE, LOST = int(Flag.BREAK), int(Flag.UNLOCATED_ERROR), int(Flag.LOST_BEFORE)

@@ -11,13 +11,13 @@ from imported import run
 from specification import TELEGRAMS
 from usb_captures import RTAC, T0, pcap
 
-from sistap.files import pcapng
-from sistap.files.output import Output
-from sistap.files.pcapng import Interface
-from sistap.files.writer import PcapngWriter
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.records.counters import Counters
-from sistap.records.record import Record, Type
+from sistap.tap.files import pcapng
+from sistap.tap.files.output import Output
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import Record, Type
 
 COMMAND, REACTION = TELEGRAMS["2-12"], TELEGRAMS["2-13"]
 STATUS, TX, RX, TX_END, RX_END, DATA_LOST, _, FRAMING, PARITY, BREAK, OVERFLOW = range(11)

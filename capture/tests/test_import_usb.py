@@ -33,13 +33,13 @@ from usb_captures import (
     pcap,
 )
 
-from sistap.imports import cdc as cdc_says
-from sistap.imports import ftdi as ftdi_says
-from sistap.imports.dissected import nanoseconds
-from sistap.imports.usb_transfers import Setup
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.records.record import Record
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.imports import cdc as cdc_says
+from sistap.commands.imports import ftdi as ftdi_says
+from sistap.commands.imports.dissected import nanoseconds
+from sistap.commands.imports.usb_transfers import Setup
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.tap.records.record import Record
 
 LINE = LineSettings()  # 9600 8E1
 COMMAND, REACTION = TELEGRAMS["2-12"], TELEGRAMS["2-13"]

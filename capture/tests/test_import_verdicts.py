@@ -12,8 +12,8 @@ import pytest
 from imported import run
 from usb_captures import RTAC, STATUS, T0, ftdi, pcap
 
-from sistap.sis.telegram import build
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.sis.telegram import build
 
 OK, EXCEEDED, UNRESOLVED = "0", "1", "2"
 COMMAND = build(0x10, 16, 3, bytes.fromhex("3C 03 00 24 00"))  # 13 characters: read S-0-0036

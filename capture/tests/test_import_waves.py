@@ -19,16 +19,16 @@ import pytest
 from imported import run
 from sampled_wire import NS, Sent, edges
 
-from sistap.analyser.finding import BAUDS, Line, find
-from sistap.common.packed import unpack
-from sistap.imports import session
-from sistap.imports import vcd as vcd_reader
-from sistap.imports.formats import known
-from sistap.imports.source import Told
-from sistap.imports.wave import HEAD, Wave, opened
-from sistap.line.settings import LineSettings
-from sistap.records.record import Type
-from sistap.terminal.exits import UsageError
+from sistap.commands.imports import session
+from sistap.commands.imports import vcd as vcd_reader
+from sistap.commands.imports.formats import known
+from sistap.commands.imports.source import Told
+from sistap.commands.imports.wave import HEAD, Wave, opened
+from sistap.tap.analyser.finding import BAUDS, Line, find
+from sistap.tap.common.packed import unpack
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Type
+from sistap.tap.terminal.exits import UsageError
 
 MHZ = 1_000_000
 TELEGRAMS = [bytes.fromhex(text) for text in ("02D7030300031003040700", "026C000000920000", "02560202109200000002")]

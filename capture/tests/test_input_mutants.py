@@ -18,14 +18,14 @@ from logs import LOGS
 from test_import_mutants import PIECES, damaged_bytes
 
 from sistap import cli
-from sistap.bus import scenarios
-from sistap.extcap.toolbar import Toolbar
-from sistap.install.ledger import Ledger, LedgerError
-from sistap.line.settings import Happening, LineSettings, Notice, Read
-from sistap.terminal import state
-from sistap.terminal.exits import DONE, FAILED, USAGE
-from sistap.wire import protocol
-from sistap.wire.protocol import Decoder, Hello, Kind
+from sistap.commands.bus import scenarios
+from sistap.commands.extcap.toolbar import Toolbar
+from sistap.commands.install.ledger import Ledger, LedgerError
+from sistap.tap.line.settings import Happening, LineSettings, Notice, Read
+from sistap.tap.terminal import state
+from sistap.tap.terminal.exits import DONE, FAILED, USAGE
+from sistap.tap.wire import protocol
+from sistap.tap.wire.protocol import Decoder, Hello, Kind
 
 PATIENCE_S = 60
 ONE_LINE, MANY_LINES = 1, 10**6

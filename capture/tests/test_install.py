@@ -15,12 +15,12 @@ from pathlib import Path
 import pytest
 from portable import WINDOWS, compiled, posix, unpackaged
 
-import sistap.terminal.state
+import sistap.tap.terminal.state
 from sistap import cli
-from sistap.install import command, shell, sources, uninstall
-from sistap.terminal import rights
-from sistap.terminal.advice import advice, shell_word
-from sistap.wireshark.tshark import NOBODY, TsharkError
+from sistap.commands.install import command, shell, sources, uninstall
+from sistap.dissected.wireshark.tshark import NOBODY, TsharkError
+from sistap.tap.terminal import rights
+from sistap.tap.terminal.advice import advice, shell_word
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 ON_PATH = os.environ.get("PATH", os.defpath)
@@ -262,7 +262,7 @@ def test_uninstall_leaves_nothing(root: Path, run: Run, tmp_path: Path) -> None:
     before = files(tmp_path)
     run("install")
     installed = files(root)
-    measured = sistap.terminal.state.save("selftest.json", b"")
+    measured = sistap.tap.terminal.state.save("selftest.json", b"")
     code, out, err = run("uninstall")
     assert (code, err) == (0, "")
     assert all(f"removed  {root / name}\n" in out for name in installed)
@@ -324,7 +324,7 @@ def test_uninstall_goes_on_after_what_cannot_be_removed(root: Path, run: Run, mo
 def test_what_was_put_when_signals_come_is_on_the_list(
     root: Path, run: Run, state: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    replace = sistap.terminal.state.replace
+    replace = sistap.tap.terminal.state.replace
     counts = iter(range(100))
 
     def interrupted(file: Path, content: bytes, *, executable: bool = False) -> None:
@@ -333,7 +333,7 @@ def test_what_was_put_when_signals_come_is_on_the_list(
             for number in (signal.SIGINT, signal.SIGTERM) * 15:
                 signal.raise_signal(number)
 
-    monkeypatch.setattr(sistap.terminal.state, "replace", interrupted)
+    monkeypatch.setattr(sistap.tap.terminal.state, "replace", interrupted)
     code, out, _ = run("install")
     (listed,) = state.rglob("*.json")
     assert code == 0
@@ -371,7 +371,7 @@ def test_root_believes_no_list_that_an_environment_names(
     (state / "sistap").chmod(0o777)
     before = files(root)
     become(monkeypatch, 0)
-    monkeypatch.setattr(sistap.terminal.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
+    monkeypatch.setattr(sistap.tap.terminal.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
     assert run("uninstall")[:2] == (0, "nothing to remove: nothing was installed for all users\n")
     assert files(root) == before
 

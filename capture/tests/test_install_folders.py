@@ -5,7 +5,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 
 import pytest
 
-from sistap.wireshark import folders
+from sistap.dissected.wireshark import folders
 
 DEBIAN_40 = """\
 Temp:                	/tmp

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from portable import WINDOWS, fifos, links, posix
 
-import sistap.terminal.state
-from sistap.install.ledger import ElsewhereError, Ledger, LedgerError
-from sistap.terminal.state import StateError
-from sistap.wireshark.folders import Own
+import sistap.tap.terminal.state
+from sistap.commands.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.dissected.wireshark.folders import Own
+from sistap.tap.terminal.state import StateError
 
 DEEP = pytest.param("[" * 100_000, id="deep")  # no variable of Windows can have such a name in it
 no_root = posix("there is no root")
@@ -258,8 +258,8 @@ def test_no_link_leads_to_another_file_while_one_is_written(place: Path) -> None
 def root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """Be root; return root's folder, which does not exist yet."""
     monkeypatch.setattr(os, "geteuid", lambda: 0, raising=False)
-    monkeypatch.setattr(sistap.terminal.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
-    return sistap.terminal.state.FOR_ROOT
+    monkeypatch.setattr(sistap.tap.terminal.state, "FOR_ROOT", tmp_path / "var/lib/sistap")
+    return sistap.tap.terminal.state.FOR_ROOT
 
 
 @no_root
@@ -294,4 +294,4 @@ def test_a_folder_of_root_that_others_could_write_is_not_used(root: Path, tmp_pa
         Ledger(for_all=True)
     if who != "a list for all":
         with pytest.raises(StateError):
-            sistap.terminal.state.save("selftest.json", b"")
+            sistap.tap.terminal.state.save("selftest.json", b"")

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from portable import compiled
 
-from sistap.install.sources import ModuleError, wanted_version
+from sistap.commands.install.sources import ModuleError, wanted_version
 
 SOURCE = "const int plugin_want_major = 4; const int plugin_want_minor = 9;\n"
 

@@ -11,15 +11,15 @@ from pathlib import Path
 import pytest
 from commands import refused, run
 
-from sistap.captures import reading
-from sistap.captures.joining import in_order, together
-from sistap.captures.portions import portions
-from sistap.captures.reading import NotCaptured
-from sistap.files import pcapng
-from sistap.files.pcapng import Interface
-from sistap.line.settings import LineSettings
-from sistap.records.record import INTERVAL_MAX, Event, Record, Type, event
-from sistap.sis.telegram import build
+from sistap.dissected.captures import reading
+from sistap.dissected.captures.joining import in_order, together
+from sistap.dissected.captures.portions import portions
+from sistap.dissected.captures.reading import NotCaptured
+from sistap.tap.files import pcapng
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import INTERVAL_MAX, Event, Record, Type, event
+from sistap.tap.sis.telegram import build
 
 SECOND = 1_000_000_000
 NAMES = ("left", "right")
@@ -152,7 +152,7 @@ def test_values_that_are_left_out_are_counted(
 ) -> None:
     """Files that are too large to be read together."""
     from sistap import cli  # noqa: PLC0415
-    from sistap.parameters import reading as of_parameters  # noqa: PLC0415
+    from sistap.commands.parameters import reading as of_parameters  # noqa: PLC0415
 
     monkeypatch.setattr(of_parameters, "_TOGETHER", 1)
     assert cli.main(["parameters", *(str(tmp_path / name) for name in ring(tmp_path))]) == 0

@@ -7,12 +7,12 @@ from collections.abc import Collection, Iterable
 
 import pytest
 
-from sistap.explain.relay import Entry
-from sistap.line.settings import LineSettings
-from sistap.recorder import keeper
-from sistap.recorder.keeper import Around, Beginning, Keeper
-from sistap.records.before import Heard
-from sistap.sis import telegram
+from sistap.commands.recorder import keeper
+from sistap.commands.recorder.keeper import Around, Beginning, Keeper
+from sistap.dissected.explain.relay import Entry
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.before import Heard
+from sistap.tap.sis import telegram
 
 SECOND = 1_000_000_000
 

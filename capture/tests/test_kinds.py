@@ -29,12 +29,12 @@ from machines import (
     undescribed,
 )
 
-from sistap.accesses.access import Access
-from sistap.episodes.masters import Masters
-from sistap.episodes.rules import RULES, Severity
-from sistap.line.settings import Flag
-from sistap.packets.dissection import EXCEEDED, UNRESOLVED
-from sistap.records.record import CLOCK_MOVED, KEPT, Event
+from sistap.dissected.accesses.access import Access
+from sistap.dissected.episodes.masters import Masters
+from sistap.dissected.episodes.rules import RULES, Severity
+from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import CLOCK_MOVED, KEPT, Event
 
 Play = Callable[[Machine], object]
 

@@ -12,8 +12,8 @@ from queue import Empty, SimpleQueue
 import pytest
 from portable import descriptors
 
-from sistap.files import lasting
-from sistap.files.output import Limits, Output
+from sistap.tap.files import lasting
+from sistap.tap.files.output import Limits, Output
 
 pytestmark = pytest.mark.tap
 

@@ -20,7 +20,7 @@ from portable import NO_TSHARK, terminals
 
 import sistap
 from sistap import cli, library
-from sistap.sis.telegram import build
+from sistap.tap.sis.telegram import build
 
 CAPTURE = Path(__file__).parents[1]
 READ = build(0x10, 16, 3, bytes.fromhex("3C 03 00 24 00"))

@@ -19,7 +19,7 @@ from portable import signals, terminals
 
 import sistap
 from sistap import cli, library
-from sistap.sis.telegram import build
+from sistap.tap.sis.telegram import build
 
 READ = build(0x12, 16, 3)
 ANSWER = build(0x12, 16, 3, b"\0\2", reaction=True)

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.captures.reading import records
-from sistap.explain import live
-from sistap.explain.live import IN_COLOUR, PLAIN, LiveText, colours
-from sistap.explain.running import Running
-from sistap.files.output import Output
-from sistap.files.pcapng import Interface
-from sistap.records.record import Record, Type
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures.reading import records
+from sistap.dissected.explain import live
+from sistap.dissected.explain.live import IN_COLOUR, PLAIN, LiveText, colours
+from sistap.dissected.explain.running import Running
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files.output import Output
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.records.record import Record, Type
 
 PATIENCE_S = 60
 LINE = {0: Interface(252, "a line of a test")}

@@ -10,20 +10,20 @@ from pathlib import Path
 import planted
 import pytest
 
-from sistap.accesses.access import Access, Parameter
-from sistap.captures import reading
-from sistap.episodes.episode import Hit, severity_of
-from sistap.episodes.live import FIELD, LIVE, Live
-from sistap.episodes.rules import Severity
-from sistap.files.pcapng import Interface
-from sistap.packets.dissection import Packet, Telegram
-from sistap.recorder import recorder as recorder_module
-from sistap.recorder.keeper import Around
-from sistap.recorder.recorder import Recorder, Wanted
-from sistap.recorder.watching import judges
-from sistap.records.record import Event
-from sistap.wireshark.rows import FRAME, OTHER
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.recorder import recorder as recorder_module
+from sistap.commands.recorder.keeper import Around
+from sistap.commands.recorder.recorder import Recorder, Wanted
+from sistap.commands.recorder.watching import judges
+from sistap.dissected.accesses.access import Access, Parameter
+from sistap.dissected.captures import reading
+from sistap.dissected.episodes.episode import Hit, severity_of
+from sistap.dissected.episodes.live import FIELD, LIVE, Live
+from sistap.dissected.episodes.rules import Severity
+from sistap.dissected.packets.dissection import Packet, Telegram
+from sistap.dissected.wireshark.rows import FRAME, OTHER
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.records.record import Event
 
 SECOND = 1_000_000_000
 HOUR_S, DAY_S = 3600.0, 86_400.0

@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import pytest
 
-from sistap.line import measurement, ports, priority
-from sistap.line.measurement import MACHINE, Conditions, Result
-from sistap.line.reader import computer, delay, latency
-from sistap.line.reader.computer import Still
-from sistap.line.reader.contract import STEP_MS
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
+from sistap.tap.line import measurement, ports, priority
+from sistap.tap.line.measurement import MACHINE, Conditions, Result
+from sistap.tap.line.reader import computer, delay, latency
+from sistap.tap.line.reader.computer import Still
+from sistap.tap.line.reader.contract import STEP_MS
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 
 pytestmark = pytest.mark.tap
 
@@ -62,7 +62,7 @@ def store_for(behind: ports.Adapter, p999_ns: int, settings: LineSettings = SETT
 def test_kept_and_found_again(state: Path) -> None:
     assert measurement.load() == ([], "")
     path = measurement.store(result())
-    assert path == state / "sistap/selftest.json"
+    assert path == state / "sistap/commands/selftest.json"
     assert measurement.load() == ([result()], "")
     assert os.listdir(path.parent) == [path.name]
 

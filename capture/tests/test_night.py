@@ -20,13 +20,13 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.captures import reading
-from sistap.files.output import Limits, Output
-from sistap.files.pcapng import Interface
-from sistap.files.writer import PcapngWriter
-from sistap.records.counters import Counters
-from sistap.records.record import Event, Record
-from sistap.sis import telegram
+from sistap.dissected.captures import reading
+from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import Event, Record
+from sistap.tap.sis import telegram
 
 LINE = {0: Interface(252, "a line of a test")}
 BEGIN = datetime(2026, 3, 14, 21, tzinfo=UTC)

@@ -15,9 +15,9 @@ from commands import refused, run
 from report_capture import Sent, write
 from usb_captures import USBMON, UsbPcap, ftdi, pcap
 
-from sistap.files import pcapng
-from sistap.files.pcapng import Interface
-from sistap.sis.telegram import build
+from sistap.tap.files import pcapng
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.sis.telegram import build
 
 COMMANDS = {
     "report": ("report", "--format", "text"),

@@ -11,10 +11,10 @@ from portable import terminals
 from test_answering import LINE, MS, READ_PHASE, Over, Script
 from test_bus import BUS, TIMEOUT_S, logged, octets, running
 
-from sistap.bus.stations.making import make
-from sistap.bus.wires.answering import Noting, serve
-from sistap.bus.wires.wire import Log
-from sistap.sis.telegram import build
+from sistap.commands.bus.stations.making import make
+from sistap.commands.bus.wires.answering import Noting, serve
+from sistap.commands.bus.wires.wire import Log
+from sistap.tap.sis.telegram import build
 
 PHASE_4 = octets("02 C1 02 02 10 12 10 03 00 04")  # checksum by hand: the other bytes add up to 3F
 FOR_ANOTHER = build(0x12, 16, 9)

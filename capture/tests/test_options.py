@@ -8,12 +8,12 @@ from dataclasses import FrozenInstanceError, replace
 
 import pytest
 
-from sistap.capture import command
-from sistap.capture.options import CaptureOptions, checked, rate
-from sistap.files.output import Limits
-from sistap.line.settings import LineSettings
-from sistap.records.cut import PROCEDURE_3964R, Cut
-from sistap.terminal.exits import UsageError
+from sistap.tap.capture import command
+from sistap.tap.capture.options import CaptureOptions, checked, rate
+from sistap.tap.files.output import Limits
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.cut import PROCEDURE_3964R, Cut
+from sistap.tap.terminal.exits import UsageError
 
 pytestmark = pytest.mark.tap
 

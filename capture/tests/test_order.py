@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.line.settings import LineSettings
-from sistap.records.assembler import HOLD_NS, Order
-from sistap.records.record import Record, Type
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.assembler import HOLD_NS, Order
+from sistap.tap.records.record import Record, Type
 
 pytestmark = pytest.mark.tap
 

@@ -16,11 +16,11 @@ from pathlib import Path
 
 import pytest
 
-from sistap.line import others, ports
-from sistap.line.others import Others
-from sistap.line.reader import PortError, latency, open_reader
-from sistap.line.reader.computer import Still
-from sistap.line.settings import LineSettings
+from sistap.tap.line import others, ports
+from sistap.tap.line.others import Others
+from sistap.tap.line.reader import PortError, latency, open_reader
+from sistap.tap.line.reader.computer import Still
+from sistap.tap.line.settings import LineSettings
 
 pytestmark = pytest.mark.tap
 
@@ -152,7 +152,7 @@ def test_a_container_has_pseudo_terminals_of_its_own_with_the_same_numbers(
 
 @needs_root
 def test_who_is_not_root_cannot_know(start: Start, cat: subprocess.Popen[bytes], port: str) -> None:
-    script = "import sys; from sistap.line import others; print(*others.look(sys.argv[1]), sep='|')"
+    script = "import sys; from sistap.tap.line import others; print(*others.look(sys.argv[1]), sep='|')"
     known, unknown = ready(start(*NOBODY, sys.executable, "-c", script, port)).split("|")
     assert (known, unknown) == ("", f"run `sistap doctor -i {port}` as root")
 
@@ -302,8 +302,8 @@ def test_nobody_else_can_open_a_port_that_is_read(port: str, monkeypatch: pytest
 
 READ = """
 import sys
-from sistap.line.reader import open_reader
-from sistap.line.settings import LineSettings
+from sistap.tap.line.reader import open_reader
+from sistap.tap.line.settings import LineSettings
 reader = open_reader(sys.argv[1], LineSettings())
 print("reads", flush=True)
 reader.read(60)

@@ -17,8 +17,8 @@ from pathlib import Path
 import pytest
 from portable import descriptors, fifos, modes, posix, take_over_zone, terminals
 
-from sistap.files.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
-from sistap.terminal.console import leave_standard_output, never_waiting
+from sistap.tap.files.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
+from sistap.tap.terminal.console import leave_standard_output, never_waiting
 
 pytestmark = pytest.mark.tap
 
@@ -583,7 +583,7 @@ def test_if_the_next_file_cannot_be_opened_this_one_is_the_last(
 ) -> None:
     said: list[str] = []
     output = ring(tmp_path, said)
-    monkeypatch.setattr("sistap.files.output.file_name", lambda *_: "/missing/x")
+    monkeypatch.setattr("sistap.tap.files.output.file_name", lambda *_: "/missing/x")
     assert not output.done
     assert not output.open_next()
     assert output.done and output.failed

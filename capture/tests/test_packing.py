@@ -16,11 +16,11 @@ import pytest
 from portable import fifos, modes
 
 from sistap import cli
-from sistap.captures.joining import check_captures
-from sistap.captures.reading import packets
-from sistap.recorder import packing, retention
-from sistap.recorder.packing import pack
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.recorder import packing, retention
+from sistap.commands.recorder.packing import pack
+from sistap.dissected.captures.joining import check_captures
+from sistap.dissected.captures.reading import packets
+from sistap.dissected.wireshark.tshark import Tshark
 
 
 @pytest.fixture(scope="module")

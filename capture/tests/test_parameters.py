@@ -16,12 +16,12 @@ import pytest
 from commands import refused, run, run_anew
 from report_capture import Sent, write
 
-from sistap.accesses.access import Access, Parameter, accesses
-from sistap.accesses.listing import MOST, Listing, Place
-from sistap.parameters.mf4 import Measurement
-from sistap.parameters.reading import Found
-from sistap.sis.telegram import build
-from sistap.terminal.console import visible
+from sistap.commands.parameters.mf4 import Measurement
+from sistap.commands.parameters.reading import Found
+from sistap.dissected.accesses.access import Access, Parameter, accesses
+from sistap.dissected.accesses.listing import MOST, Listing, Place
+from sistap.tap.sis.telegram import build
+from sistap.tap.terminal.console import visible
 
 HOUSE = Path(__file__).parent.parent.parent
 CAPTURE = HOUSE / "test-captures" / "accesses.pcapng"

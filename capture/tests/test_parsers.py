@@ -16,29 +16,29 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.annotate import notations
-from sistap.annotate.stamps import TimestampParser
-from sistap.annotate.textlog import LineCutter
-from sistap.captures import reading
-from sistap.extcap.toolbar import _received
-from sistap.files import pcapng
-from sistap.files.pcapng import Interface
-from sistap.imports import ch340, ftdi, usbmon
-from sistap.imports.usb_kinds import KINDS
-from sistap.imports.usb_transfers import Setup
-from sistap.line.settings import Happening, LineSettings, Notice, Read
-from sistap.parameters import backup
-from sistap.records import record
-from sistap.records.cut import PROCEDURE_3964R, SIS, Cut
-from sistap.records.record import Record, Type
-from sistap.sis import telegram
-from sistap.sis.initialization import Follow
-from sistap.sis.told import Told
-from sistap.telegrams import values
-from sistap.terminal.exits import UsageError
-from sistap.wire import protocol
-from sistap.wire.protocol import Decoder, Hello, Kind
-from sistap.wireshark import rows
+from sistap.commands.annotate import notations
+from sistap.commands.annotate.stamps import TimestampParser
+from sistap.commands.annotate.textlog import LineCutter
+from sistap.commands.extcap.toolbar import _received
+from sistap.commands.imports import ch340, ftdi, usbmon
+from sistap.commands.imports.usb_kinds import KINDS
+from sistap.commands.imports.usb_transfers import Setup
+from sistap.commands.parameters import backup
+from sistap.dissected.captures import reading
+from sistap.dissected.telegrams import values
+from sistap.dissected.wireshark import rows
+from sistap.tap.files import pcapng
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.line.settings import Happening, LineSettings, Notice, Read
+from sistap.tap.records import record
+from sistap.tap.records.cut import PROCEDURE_3964R, SIS, Cut
+from sistap.tap.records.record import Record, Type
+from sistap.tap.sis import telegram
+from sistap.tap.sis.initialization import Follow
+from sistap.tap.sis.told import Told
+from sistap.tap.terminal.exits import UsageError
+from sistap.tap.wire import protocol
+from sistap.tap.wire.protocol import Decoder, Hello, Kind
 
 START_NS = 1_700_000_000_000_000_000
 TELEGRAM = telegram.build(0x10, 16, 3, b"\x3c\x00\x24\x00", number=5, subaddresses=b"\x02")

@@ -19,9 +19,9 @@ from pathlib import Path
 
 import pytest
 
-from sistap.line.reader import latency, open_reader
-from sistap.line.reader.computer import Still
-from sistap.line.settings import LineSettings
+from sistap.tap.line.reader import latency, open_reader
+from sistap.tap.line.reader.computer import Still
+from sistap.tap.line.settings import LineSettings
 
 pytestmark = pytest.mark.tap
 
@@ -83,8 +83,8 @@ def assert_only_listens(calls: list[str]) -> None:
 
 READ_SOME = """
 import sys
-from sistap.line.settings import LineSettings
-from sistap.line.reader import open_reader
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.line.reader import open_reader
 source = open_reader(sys.argv[1], LineSettings())
 count = 0
 while count < 100:

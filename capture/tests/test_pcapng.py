@@ -16,12 +16,12 @@ from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatist
 from portable import libpcap
 from specification import TELEGRAMS
 
-from sistap.files import pcapng, writer
-from sistap.files.output import Output
-from sistap.files.pcapng import LINK_TYPES, Interface, Statistics
-from sistap.line.settings import Flag, LineSettings
-from sistap.records.counters import Counters
-from sistap.records.record import Event, Record, Type, event
+from sistap.tap.files import pcapng, writer
+from sistap.tap.files.output import Output
+from sistap.tap.files.pcapng import LINK_TYPES, Interface, Statistics
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import Event, Record, Type, event
 
 pytestmark = pytest.mark.tap
 

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from portable import WINDOWS, posix
 
-from sistap import doctor
-from sistap.install import homes, personal, sources
-from sistap.terminal.advice import shell_word
-from sistap.wireshark import profile
+from sistap.commands import doctor
+from sistap.commands.install import homes, personal, sources
+from sistap.dissected.wireshark import profile
+from sistap.tap.terminal.advice import shell_word
 
 OF_VERSION = {file.name: file.read_bytes() for file in sources.profile()}
 EARLIER = b"# of an earlier version\n"

@@ -15,11 +15,11 @@ import pytest
 from independent import records
 from specification import TELEGRAMS
 
-from sistap.capture.options import CaptureOptions
-from sistap.capture.running import Ports
-from sistap.line.reader import PortError, open_reader
-from sistap.line.settings import LineSettings
-from sistap.records.record import Event, Type
+from sistap.tap.capture.options import CaptureOptions
+from sistap.tap.capture.running import Ports
+from sistap.tap.line.reader import PortError, open_reader
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Event, Type
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmark"))  # behind: its tables.py is not that of test-captures
 

@@ -12,10 +12,10 @@ from portable import lacking
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("import os, sistap.line.ports\nfrom sistap.line.reader import open_reader, pyserial", ""),
+        ("import os, sistap.tap.line.ports\nfrom sistap.tap.line.reader import open_reader, pyserial", ""),
         ("from no_such_module import x", "needs no_such_module: No module named 'no_such_module'"),
         ("import os.no_such", "needs os.no_such: "),
-        ("from sistap.line import no_such", "needs sistap.line: "),
+        ("from sistap.tap.line import no_such", "needs sistap.tap.line: "),
     ],
 )
 def test_what_windows_lacks(tmp_path: Path, text: str, reason: str) -> None:

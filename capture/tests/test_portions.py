@@ -14,18 +14,18 @@ import planted
 import pytest
 
 from sistap import cli
-from sistap.captures import portions, reading
-from sistap.captures.portions import Portion, in_turn
-from sistap.captures.reading import NotCaptured
-from sistap.common.writing import Incomplete
-from sistap.episodes.engine import Engine
-from sistap.files import pcapng
-from sistap.files.output import Limits, Output
-from sistap.files.writer import PcapngWriter
-from sistap.packets.dissection import Dissection
-from sistap.packets.kept import Span
-from sistap.records.counters import Counters
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures import portions, reading
+from sistap.dissected.captures.portions import Portion, in_turn
+from sistap.dissected.captures.reading import NotCaptured
+from sistap.dissected.episodes.engine import Engine
+from sistap.dissected.packets.dissection import Dissection
+from sistap.dissected.packets.kept import Span
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.common.writing import Incomplete
+from sistap.tap.files import pcapng
+from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.records.counters import Counters
 
 PORT = pcapng.Interface(252, "bus")
 PIECES = 6

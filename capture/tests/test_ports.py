@@ -17,10 +17,10 @@ from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
 from sistap import cli
-from sistap import ports as command
-from sistap.analyser import probe
-from sistap.line import drivers, ports
-from sistap.line.drivers import Place
+from sistap.tap import ports as command
+from sistap.tap.analyser import probe
+from sistap.tap.line import drivers, ports
+from sistap.tap.line.drivers import Place
 
 
 def put(file: Path, text: str) -> None:

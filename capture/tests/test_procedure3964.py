@@ -12,17 +12,17 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.bus.playing.characters import Played
-from sistap.bus.procedure3964 import rk512
-from sistap.bus.procedure3964.controls import Memory
-from sistap.bus.procedure3964.partner import MS, Occasion, Partner, Saying, Trouble, packed
-from sistap.bus.procedure3964.procedure import _KINDS, _STEPS
-from sistap.bus.procedure3964.rk512 import Error, Head
-from sistap.bus.scenarios import scenario
-from sistap.bus.scenarios.scenario import Playing, load
-from sistap.captures.reading import records
-from sistap.line.settings import Flag
-from sistap.records.record import Framing, Record, Type
+from sistap.commands.bus.playing.characters import Played
+from sistap.commands.bus.procedure3964 import rk512
+from sistap.commands.bus.procedure3964.controls import Memory
+from sistap.commands.bus.procedure3964.partner import MS, Occasion, Partner, Saying, Trouble, packed
+from sistap.commands.bus.procedure3964.procedure import _KINDS, _STEPS
+from sistap.commands.bus.procedure3964.rk512 import Error, Head
+from sistap.commands.bus.scenarios import scenario
+from sistap.commands.bus.scenarios.scenario import Playing, load
+from sistap.dissected.captures.reading import records
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import Framing, Record, Type
 
 STX, ETX, DLE, NAK = b"\x02", b"\x03", b"\x10", b"\x15"
 ONCE = Playing(cycles=1)

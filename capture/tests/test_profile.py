@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 import sistap
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 PROFILE = Path(sistap.__file__).parent / "profile" / "SIS"
 CAPTURES = Path(__file__).resolve().parents[2] / "test-captures"

@@ -19,9 +19,9 @@ from test_bus import TIMEOUT_S, finish, logged, running
 from test_end_to_end import CAPTURE
 
 from sistap import cli
-from sistap.line.reader import PortError, PortLost
-from sistap.line.settings import LineSettings, Read
-from sistap.records.record import Event, Record, Type
+from sistap.tap.line.reader import PortError, PortLost
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.records.record import Event, Record, Type
 
 if sys.platform != "win32":
     import pty
@@ -158,7 +158,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
     handlers = [(number, signal.getsignal(number)) for number in SIGNALS]
 
     def run(reader: FakeReader, *arguments: str) -> int:
-        monkeypatch.setattr("sistap.capture.running.open_reader", lambda port, settings, line: reader)
+        monkeypatch.setattr("sistap.tap.capture.running.open_reader", lambda port, settings, line: reader)
         return cli.main(["capture", "-i", reader.name, *arguments])
 
     yield run

@@ -24,9 +24,9 @@ from hypothesis import strategies as st
 from portable import descriptors
 from real_driver import Driver
 
-from sistap.line import ports
-from sistap.line.clock import STEADY
-from sistap.line.reader import (
+from sistap.tap.line import ports
+from sistap.tap.line.clock import STEADY
+from sistap.tap.line.reader import (
     PortError,
     PortLost,
     Reader,
@@ -38,12 +38,12 @@ from sistap.line.reader import (
     opening,
     several,
 )
-from sistap.line.reader.computer import Still
-from sistap.line.reader.contract import READ_SIZE
-from sistap.line.reader.device import MarkDecoder, PosixReader
-from sistap.line.reader.tuning import Tuning
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
-from sistap.wire import protocol
+from sistap.tap.line.reader.computer import Still
+from sistap.tap.line.reader.contract import READ_SIZE
+from sistap.tap.line.reader.device import MarkDecoder, PosixReader
+from sistap.tap.line.reader.tuning import Tuning
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
+from sistap.tap.wire import protocol
 
 pytestmark = pytest.mark.tap
 
@@ -630,7 +630,7 @@ def test_a_driver_that_reports_no_line_errors(bus: Pty, monkeypatch: pytest.Monk
 def test_a_rate_that_the_port_cannot_do_changes_nothing(bus: Pty, monkeypatch: pytest.MonkeyPatch, before: int) -> None:
     source = open_reader(bus.port, LineSettings(before))
     with monkeypatch.context() as patched:
-        patched.setattr("sistap.line.reader.opening._speed", lambda fd: before)  # whatever it is told
+        patched.setattr("sistap.tap.line.reader.opening._speed", lambda fd: before)  # whatever it is told
         for settings in (LineSettings(115200), LineSettings(12345), LineSettings(3_000_000_000)):
             with pytest.raises(PortError, match=f"cannot do {settings.baud} Bd 8E1"):
                 source.change(settings)

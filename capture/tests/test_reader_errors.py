@@ -14,12 +14,12 @@ from typing import NamedTuple
 import pytest
 from real_captures import truth, unpacked
 
-from sistap.captures.reading import records
-from sistap.line import drivers
-from sistap.line.drivers import Place
-from sistap.line.reader.device import MarkDecoder
-from sistap.line.reader.errors import MOST_READS, SILENCE_NS, Counts, Errors
-from sistap.line.settings import ERROR_FLAGS, Flag, Read
+from sistap.dissected.captures.reading import records
+from sistap.tap.line import drivers
+from sistap.tap.line.drivers import Place
+from sistap.tap.line.reader.device import MarkDecoder
+from sistap.tap.line.reader.errors import MOST_READS, SILENCE_NS, Counts, Errors
+from sistap.tap.line.settings import ERROR_FLAGS, Flag, Read
 
 pytestmark = pytest.mark.tap
 

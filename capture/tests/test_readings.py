@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 from machines import access, undescribed
 
-from sistap.episodes.readings import RAW, Reading, class_of, code_of, is_running, raw_number, reading
+from sistap.dissected.episodes.readings import RAW, Reading, class_of, code_of, is_running, raw_number, reading
 
 WORDS = b"\x05\x00\x05\x00"  # the length of a text, and the longest
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.line.settings import PARITIES, Flag, LineSettings
-from sistap.records.record import HEADER, INTERVAL_MAX, Event, Framing, Record, Type, event, unpack
+from sistap.tap.line.settings import PARITIES, Flag, LineSettings
+from sistap.tap.records.record import HEADER, INTERVAL_MAX, Event, Framing, Record, Type, event, unpack
 
 pytestmark = pytest.mark.tap
 

@@ -20,26 +20,26 @@ from pcapng.blocks import InterfaceDescription, SectionHeader
 from portable import posix, sockets
 
 from sistap import cli
-from sistap.captures import reading
-from sistap.episodes.live import LIVE
-from sistap.explain.relay import Entry, Judged, Seams
-from sistap.explain.running import ordinary_children
-from sistap.files import output as output_module
-from sistap.files.output import Limits, Output, OutputError, file_name
-from sistap.files.pcapng import Interface
-from sistap.files.writer import PcapngWriter
-from sistap.line import priority
-from sistap.recorder import notifier, retention
-from sistap.recorder import recorder as recorder_module
-from sistap.recorder.keeper import Around
-from sistap.recorder.notifier import Notifier
-from sistap.recorder.reasons import word
-from sistap.recorder.recorder import Recorder, Wanted
-from sistap.recorder.watching import Judge, judges
-from sistap.records.counters import Counters
-from sistap.records.record import Event, Record, Type, event
-from sistap.terminal.exits import UsageError
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.recorder import notifier, retention
+from sistap.commands.recorder import recorder as recorder_module
+from sistap.commands.recorder.keeper import Around
+from sistap.commands.recorder.notifier import Notifier
+from sistap.commands.recorder.reasons import word
+from sistap.commands.recorder.recorder import Recorder, Wanted
+from sistap.commands.recorder.watching import Judge, judges
+from sistap.dissected.captures import reading
+from sistap.dissected.episodes.live import LIVE
+from sistap.dissected.explain.relay import Entry, Judged, Seams
+from sistap.dissected.explain.running import ordinary_children
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import output as output_module
+from sistap.tap.files.output import Limits, Output, OutputError, file_name
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.line import priority
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import Event, Record, Type, event
+from sistap.tap.terminal.exits import UsageError
 
 SECOND = 1_000_000_000
 PATIENCE_S = 60

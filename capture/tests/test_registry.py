@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import pytest
 
-from sistap.line import ports
+from sistap.tap.line import ports
 
 pytestmark = pytest.mark.tap
 

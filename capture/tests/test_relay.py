@@ -15,16 +15,16 @@ import pytest
 from portable import signals
 
 from sistap import cli
-from sistap.captures.reading import records
-from sistap.explain.relay import Entry, Judged, Relay, Seams
-from sistap.explain.running import Running
-from sistap.files.pcapng import Interface
-from sistap.files.writer import Blocks
-from sistap.recorder.reasons import ByFilter
-from sistap.records.before import heard
-from sistap.records.record import Record
-from sistap.terminal.console import visible
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.recorder.reasons import ByFilter
+from sistap.dissected.captures.reading import records
+from sistap.dissected.explain.relay import Entry, Judged, Relay, Seams
+from sistap.dissected.explain.running import Running
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.files.writer import Blocks
+from sistap.tap.records.before import heard
+from sistap.tap.records.record import Record
+from sistap.tap.terminal.console import visible
 
 PATIENCE_S = 60
 SECOND = 1_000_000_000

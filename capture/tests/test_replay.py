@@ -16,12 +16,12 @@ import pytest
 from portable import posix, terminals
 from test_bus import BUS, TIMEOUT_S, drain, finish, listening_only_if_asked
 
-from sistap.bus.replay import look, played
-from sistap.captures.reading import NotCaptured, records
-from sistap.files import pcapng
-from sistap.line.settings import Flag, LineSettings
-from sistap.records import record
-from sistap.records.record import Event, Record, Type
+from sistap.commands.bus.replay import look, played
+from sistap.dissected.captures.reading import NotCaptured, records
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records import record
+from sistap.tap.records.record import Event, Record, Type
 
 REPLAY = [sys.executable, "-m", "sistap", "replay"]
 CAPTURE = [sys.executable, "-m", "sistap", "capture", "-q"]

@@ -29,21 +29,21 @@ from report_capture import (
 )
 from sharkd import Sharkd
 
-from sistap.captures.portions import Portion
-from sistap.common.writing import Incomplete
-from sistap.episodes.rules import Severity
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag
-from sistap.packets.dissection import FIELDS, UNRESOLVED, Dissection, Packet, packet_of
-from sistap.packets.kept import Span
-from sistap.records.record import Framing, Type
-from sistap.report import page, plain, tables
-from sistap.report.figures import Figures
-from sistap.report.gather import Report, gather
-from sistap.report.windows import PACKETS_KEPT, Window, parse
-from sistap.sis.faults import FAULTS
-from sistap.sis.telegram import build
-from sistap.wireshark.rows import info
-from sistap.wireshark.tshark import Tshark, TsharkError
+from sistap.commands.report import page, plain, tables
+from sistap.commands.report.figures import Figures
+from sistap.commands.report.gather import Report, gather
+from sistap.commands.report.windows import PACKETS_KEPT, Window, parse
+from sistap.dissected.captures.portions import Portion
+from sistap.dissected.episodes.rules import Severity
+from sistap.dissected.packets.dissection import FIELDS, UNRESOLVED, Dissection, Packet, packet_of
+from sistap.dissected.packets.kept import Span
+from sistap.dissected.wireshark.rows import info
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError
+from sistap.tap.common.writing import Incomplete
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag
+from sistap.tap.records.record import Framing, Type
+from sistap.tap.sis.faults import FAULTS
+from sistap.tap.sis.telegram import build
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 CHARACTER_S = LINE.character_ns / 1e9
@@ -391,7 +391,7 @@ def test_what_is_read_again_is_what_was_asked_for(times_s: list[float], starts_s
     timed = cast(Tshark, PrintingTshark(rows))
     spans = [Span(start_s, start_s + 3) for start_s in starts_s]
     with pytest.MonkeyPatch.context() as patch, Dissection(timed, [Portion(Path("x"))]) as dissection:
-        patch.setattr("sistap.packets.kept._TOGETHER", 7)
+        patch.setattr("sistap.dissected.packets.kept._TOGETHER", 7)
         read = list(dissection.packets())
         again = list(dissection.again(spans))
     assert [packet.time_s for packet in read] == times_s
@@ -589,7 +589,7 @@ def test_alike_packets_are_counted_together_as_one_by_one(
     every = tmp_path / "every.pcapng"
     every.write_bytes(b"".join(path.read_bytes() for path in sorted(CAPTURES.glob("*.pcapng"))))
     together = plain.as_text(made(tshark, every))
-    monkeypatch.setattr("sistap.report.figures.TOGETHER", 1)
+    monkeypatch.setattr("sistap.commands.report.figures.TOGETHER", 1)
     assert plain.as_text(made(tshark, every)) == together
 
 

@@ -17,7 +17,7 @@ from portable import NO_TSHARK, SIGNALS, WINDOWS, fifos, posix
 from report_capture import BUS, write
 
 from sistap import cli
-from sistap.report import command
+from sistap.commands.report import command
 
 TOLD = Path(__file__).parents[2] / "test-captures" / "timing-told.pcapng"
 

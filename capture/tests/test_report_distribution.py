@@ -6,7 +6,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.packets.distribution import Distribution, Slices
+from sistap.dissected.packets.distribution import Distribution, Slices
 
 TIMES = st.one_of(st.just(0.0), st.floats(1e-9, 1e5))
 BIN = 10 ** (1 / Distribution.PER_DECADE)

@@ -15,18 +15,18 @@ import pytest
 from portable import WINDOWS
 from report_capture import ACCEPT, BUS, LINE, READ, SET_TZA, STARTED, Sent, write
 
-from sistap.accesses.access import Access, Parameter
-from sistap.accesses.listing import Listing, Place
-from sistap.captures.portions import Portion
-from sistap.draw.panel import Area, Bar, Strokes, Text
-from sistap.draw.svg import stacked, svg
-from sistap.episodes.episode import Episode, Hit
-from sistap.line.settings import Flag
-from sistap.report import plots, tables
-from sistap.report.gather import Report, gather
-from sistap.report.page import page
-from sistap.report.windows import parse
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.report import plots, tables
+from sistap.commands.report.gather import Report, gather
+from sistap.commands.report.page import page
+from sistap.commands.report.windows import parse
+from sistap.dissected.accesses.access import Access, Parameter
+from sistap.dissected.accesses.listing import Listing, Place
+from sistap.dissected.captures.portions import Portion
+from sistap.dissected.draw.panel import Area, Bar, Strokes, Text
+from sistap.dissected.draw.svg import stacked, svg
+from sistap.dissected.episodes.episode import Episode, Hit
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.line.settings import Flag
 
 NAME = "a & c.pcapng" if WINDOWS else "a <b> & c.pcapng"  # no file of Windows has < or >
 VOID = {"meta", "br"}

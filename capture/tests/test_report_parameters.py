@@ -13,17 +13,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sharkd import Sharkd
 
-from sistap.accesses.access import Access, Parameter
-from sistap.accesses.listing import Place
-from sistap.captures.portions import Portion
-from sistap.draw.panel import Bar, Dots, Line, Panel
-from sistap.episodes.episode import Episode, Hit
-from sistap.report import curved, plain, plots, tables
-from sistap.report.curves import MOST_CURVES, MOST_POINTS, Curve, Curves
-from sistap.report.figures import Figures
-from sistap.report.gather import Report, gather
-from sistap.report.page import page
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.report import curved, plain, plots, tables
+from sistap.commands.report.curves import MOST_CURVES, MOST_POINTS, Curve, Curves
+from sistap.commands.report.figures import Figures
+from sistap.commands.report.gather import Report, gather
+from sistap.commands.report.page import page
+from sistap.dissected.accesses.access import Access, Parameter
+from sistap.dissected.accesses.listing import Place
+from sistap.dissected.captures.portions import Portion
+from sistap.dissected.draw.panel import Bar, Dots, Line, Panel
+from sistap.dissected.episodes.episode import Episode, Hit
+from sistap.dissected.wireshark.tshark import Tshark
 
 CAPTURE = Path(__file__).parent.parent.parent / "test-captures" / "accesses.pcapng"
 
@@ -158,7 +158,7 @@ def test_one_value_is_a_piece() -> None:
 def test_points_are_bounded_and_keep_the_extremes(values: list[tuple[float, int, bool]]) -> None:
     made = Curve()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sistap.report.curves.MOST_POINTS", 7)
+        patch.setattr("sistap.commands.report.curves.MOST_POINTS", 7)
         for time_s, number, is_written in values:
             made.add(time_s, number, is_written=is_written)
     assert len(made.points) <= 7

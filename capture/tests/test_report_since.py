@@ -12,9 +12,9 @@ import planted
 import pytest
 
 from sistap import cli
-from sistap.captures import reading, since
-from sistap.files import pcapng
-from sistap.sis.faults import FAULTS
+from sistap.dissected.captures import reading, since
+from sistap.tap.files import pcapng
+from sistap.tap.sis.faults import FAULTS
 
 END = datetime(2026, 3, 14, 7, 30).astimezone()
 HALVES_S = 150  # of the night, in two files

@@ -7,20 +7,21 @@ import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
 import sistap
-from sistap import bus
+from sistap.commands import bus
 
 pytestmark = pytest.mark.style
 
 PACKAGE, BUS = Path(sistap.__file__).parent, Path(bus.__file__).parent
-LATE = PACKAGE / "capture/running.py"  # it imports explain, when text is shown
-TEXT = "sistap.explain.live.explained"
-LOOSE = {"__main__", "cli", "doctor", "library", "ports", "selftest", "windows"}  # modules that are in no room
+LATE = PACKAGE / "tap/capture/running.py"  # it imports explain, when text is shown
+TEXT = "sistap.dissected.explain.live.explained"
+STOREYS = ("tap", "dissected", "commands")
+LOOSE = {"__init__", "__main__", "cli", "library"}  # modules that are in no storey
 
 
 def rows(documentation: str | None) -> list[list[str]]:
@@ -28,9 +29,12 @@ def rows(documentation: str | None) -> list[list[str]]:
     return [re.split("  +", line.strip()) for line in (documentation or "").splitlines() if line.startswith("    ")]
 
 
+ROWS = rows(sistap.__doc__)[1:]
+
+
 def allowed() -> dict[str, set[str]]:
     """Return what each room may use, itself included: the table's rooms, and what these may use."""
-    table = [(room, uses) for rooms, uses, _ in rows(sistap.__doc__)[1:] for room in rooms.split(", ")]
+    table = [(room.rpartition("/")[2], uses) for rooms, uses, _ in ROWS for room in rooms.split(", ")]
     everything = {room for room, _ in table}
     products = {room for room, uses in table if uses == "all above"}
     may: dict[str, set[str]] = {}
@@ -46,6 +50,8 @@ def allowed() -> dict[str, set[str]]:
 
 
 ALLOWED = allowed()
+# The storey of each room; none for what is in no storey.
+STOREY = {room.rpartition("/")[2]: room.rpartition("/")[0] for room, *_ in ROWS}
 BUS_ROOMS = [room.rstrip("/") for first, *_ in rows(bus.__doc__) for room in first.split(", ")]
 
 
@@ -62,11 +68,16 @@ def imported(tree: ast.AST) -> Iterator[str]:
 def rooms_used(file: Path, package: str) -> set[str]:
     """Return the rooms of a package that one of its files imports from."""
     of_package = [name for name in imported(ast.parse(file.read_text("utf-8"))) if name.startswith(f"{package}.")]
-    return {name.removeprefix(f"{package}.").partition(".")[0] for name in of_package} - {"__version__"}
+    return {room_in(name.removeprefix(f"{package}.").split(".")) for name in of_package} - {"__version__"}
+
+
+def room_in(parts: Sequence[str]) -> str:
+    """Return the room of a module or file, from its place in the package: that in a storey, or what is in none."""
+    return parts[parts[0] in STOREYS]
 
 
 def room_of(file: Path, package: Path) -> str:
-    return Path(file.relative_to(package).parts[0]).stem
+    return room_in(file.relative_to(package).with_suffix("").parts)
 
 
 def there(package: Path) -> set[str]:
@@ -74,12 +85,21 @@ def there(package: Path) -> set[str]:
 
 
 def test_every_room_is_in_the_table() -> None:
-    assert there(PACKAGE) == ALLOWED.keys()
+    rooms = {room: storey for storey in STOREYS for room in there(PACKAGE / storey)}
+    assert rooms == {room: storey for room, storey in STOREY.items() if storey}
     assert there(BUS) == set(BUS_ROOMS)
 
 
-def test_no_module_is_outside_of_the_rooms() -> None:
-    assert {path.stem for path in PACKAGE.glob("*.py")} == LOOSE | {"__init__"}
+def test_no_module_is_outside_of_the_storeys() -> None:
+    assert {path.stem for path in PACKAGE.glob("*.py")} == LOOSE
+    assert there(PACKAGE) | {"__init__"} == LOOSE.union(STOREYS)
+
+
+def test_no_room_uses_a_storey_above() -> None:
+    for room, uses in ALLOWED.items():
+        if STOREY.get(room):
+            height = STOREYS.index(STOREY[room])
+            assert all(STOREY[used] in STOREYS[: height + 1] for used in uses) or room == "web", room
 
 
 def test_every_room_says_what_is_in_it() -> None:
@@ -100,11 +120,11 @@ def test_a_room_of_the_bus_uses_only_those_above_it() -> None:
     for file in BUS.rglob("*.py"):
         room = room_of(file, BUS)
         above = BUS_ROOMS[: BUS_ROOMS.index(room) + 1] if room in BUS_ROOMS else []
-        assert rooms_used(file, "sistap.bus") <= set(above), file
+        assert rooms_used(file, "sistap.commands.bus") <= set(above), file
 
 
 TAP = ("terminal", "sis", "line", "records", "files", "capture")
-MOST_LINES, MOST_MODULES = 8250, 40
+MOST_LINES, MOST_MODULES = 8250, 41
 MODULES = """
 import contextlib, io, sys
 from sistap import cli
@@ -123,7 +143,7 @@ def loaded(*arguments: str) -> list[str]:
 def test_the_tap_is_small_and_stands_alone() -> None:
     """What is generated does not count. One module imports text, and only to show it."""
     lines = 0
-    for file in (file for room in TAP for file in (PACKAGE / room).rglob("*.py")):
+    for file in (file for room in TAP for file in (PACKAGE / "tap" / room).rglob("*.py")):
         text = file.read_text("utf-8")
         if "\nMade by plugin/protocol/generate.py" not in text:
             lines += text.count("\n")
@@ -133,18 +153,18 @@ def test_the_tap_is_small_and_stands_alone() -> None:
 
 def test_a_capture_loads_the_tap_alone(tmp_path: Path) -> None:
     assert len(loaded("capture", "--help")) <= MOST_MODULES
-    rooms = {name.split(".")[1] for name in loaded("capture", "-i", str(tmp_path), "-w", "x") if "." in name}
-    assert rooms == {*TAP, "cli"}
+    names = [name.split(".")[1:] for name in loaded("capture", "-i", str(tmp_path), "-w", "x")]
+    assert {room_in(name) for name in names if name and name != ["tap"]} == {*TAP, "cli"}
 
 
 @pytest.mark.parametrize(
     "code",
     [
-        "import sistap.report.page",
+        "import sistap.commands.report.page",
         "from sistap import report",
-        "from sistap.report import page",
-        "def late():\n    from sistap.report.page import html",
-        "if TYPE_CHECKING:\n    import os, sistap.report",
+        "from sistap.commands.report import page",
+        "def late():\n    from sistap.commands.report.page import html",
+        "if TYPE_CHECKING:\n    import os, sistap.commands.report",
     ],
 )
 def test_an_import_is_seen_however_it_is_written(tmp_path: Path, code: str) -> None:

@@ -13,13 +13,13 @@ from typing import ClassVar, cast
 import pytest
 from report_capture import write
 
-from sistap.packets.apart import PACKED
-from sistap.packets.dissection import FIELDS
-from sistap.tables.rows import FIELDS as MORE
-from sistap.terminal.console import visible
-from sistap.wireshark import wiregasm
-from sistap.wireshark.rows import JOINT, is_cut, is_no_capture, printing, safe, told
-from sistap.wireshark.tshark import Tshark, TsharkError
+from sistap.commands.tables.rows import FIELDS as MORE
+from sistap.dissected.packets.apart import PACKED
+from sistap.dissected.packets.dissection import FIELDS
+from sistap.dissected.wireshark import wiregasm
+from sistap.dissected.wireshark.rows import JOINT, is_cut, is_no_capture, printing, safe, told
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError
+from sistap.tap.terminal.console import visible
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 
@@ -77,7 +77,7 @@ def test_a_full_disk(full: Path) -> None:
     words = ["-q", "-r", str(CAPTURES / "tcp.pcapng"), "-z", "sis,rows,frame.number"]
     with full.open("w") as stdout:
         done = subprocess.run(
-            [sys.executable, "-m", "sistap.wireshark", *words],
+            [sys.executable, "-m", "sistap.dissected.wireshark", *words],
             stdout=stdout,
             stderr=subprocess.PIPE,
             text=True,

@@ -6,9 +6,9 @@ from __future__ import annotations
 import pytest
 from specification import TELEGRAMS
 
-from sistap.capture.rate import Scan
-from sistap.line.settings import Flag, LineSettings, Read
-from sistap.records.framer import SisFramer
+from sistap.tap.capture.rate import Scan
+from sistap.tap.line.settings import Flag, LineSettings, Read
+from sistap.tap.records.framer import SisFramer
 
 pytestmark = pytest.mark.tap
 

@@ -19,15 +19,15 @@ from portable import WINDOWS, signals, terminals
 from sharkd import Sharkd
 from test_bus import BUS, TIMEOUT_S, connect, finish, joined, listen, octets, running
 
-from sistap.bus.playing.characters import Played
-from sistap.bus.scenarios import scenario
-from sistap.bus.scenarios.faults import _KINDS
-from sistap.bus.scenarios.scenario import Playing, Scenario, load
-from sistap.bus.scenarios.steps import _STEPS
-from sistap.captures.reading import records
-from sistap.line.settings import Flag
-from sistap.records.record import Event, Type
-from sistap.sis.telegram import parse
+from sistap.commands.bus.playing.characters import Played
+from sistap.commands.bus.scenarios import scenario
+from sistap.commands.bus.scenarios.faults import _KINDS
+from sistap.commands.bus.scenarios.scenario import Playing, Scenario, load
+from sistap.commands.bus.scenarios.steps import _STEPS
+from sistap.dissected.captures.reading import records
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import Event, Type
+from sistap.tap.sis.telegram import parse
 
 MS = 1_000_000
 ONCE = Playing(cycles=1)

@@ -18,10 +18,11 @@ from pathlib import Path
 
 import pytest
 
-from sistap import cli, selftest
-from sistap.common.quantiles import quantile
-from sistap.line import measurement
-from sistap.line.reader import delay
+from sistap import cli
+from sistap.commands import selftest
+from sistap.tap.common.quantiles import quantile
+from sistap.tap.line import measurement
+from sistap.tap.line.reader import delay
 
 MS = 1_000_000
 PATIENCE_S = 60  # only reached when a test fails

@@ -23,14 +23,14 @@ from commands import refused, run
 from independent import records
 from test_passive import assert_only_listens
 
-from sistap.line.reader import PortError, Reader, open_reader
-from sistap.line.settings import Flag, Happening, LineSettings, Notice, Read
-from sistap.records.assembler import Assembler
-from sistap.records.record import Event, Record, Type
-from sistap.serve import listeners as module
-from sistap.serve.listeners import Listeners, PublishedReader
-from sistap.wire import distant, protocol, server
-from sistap.wire.protocol import Decoder, Hello, Kind, Lost, Message, Time
+from sistap.commands.serve import listeners as module
+from sistap.commands.serve.listeners import Listeners, PublishedReader
+from sistap.tap.line.reader import PortError, Reader, open_reader
+from sistap.tap.line.settings import Flag, Happening, LineSettings, Notice, Read
+from sistap.tap.records.assembler import Assembler
+from sistap.tap.records.record import Event, Record, Type
+from sistap.tap.wire import distant, protocol, server
+from sistap.tap.wire.protocol import Decoder, Hello, Kind, Lost, Message, Time
 
 CAPTURE = Path(__file__).parents[1]
 TELEGRAM = bytes.fromhex("02 D7 03 03 00 03 10 03 04 07 00")  # fig. 6-14
@@ -226,7 +226,7 @@ def test_no_more_than_a_limit_are_let_in(served: Listeners, told: list[str], mon
 def test_only_whom_allow_names_is_let_in(
     address: str, comes: bool, told: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from sistap.serve.command import _network
+    from sistap.commands.serve.command import _network
 
     networks = [*map(_network, ("192.168.7.0/24", "10.0.0.1", "fd00::/8"))]
     with closing(Listeners("127.0.0.1:0", networks, told.append)) as listeners:

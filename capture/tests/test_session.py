@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from commands import run
 
-from sistap.annotate.session import SessionReader, is_session
-from sistap.annotate.textlog import lines
+from sistap.commands.annotate.session import SessionReader, is_session
+from sistap.commands.annotate.textlog import lines
 
 # A typed session: the drive echoes, and its prompt stands in front of the next command.
 TYPED = "BCD:21\nE21:>S-0-0051,7,R\n12.3456\nE21:>P-0-4006,7,W,>\n?1.0000\n?<\nE21:>S-0-0051,7,W,1\n#7004\nE21:>"

@@ -23,11 +23,11 @@ from independent import blocks, packets
 from pcapng.blocks import InterfaceDescription, InterfaceStatistics
 from specification import TELEGRAMS
 
-from sistap.line.reader import PortLost, Reader, device, latency, open_reader, several, together
-from sistap.line.reader.computer import Still
-from sistap.line.reader.several import PolledReaders, ThreadedReaders
-from sistap.line.settings import LineSettings, Read
-from sistap.records.record import Event, Type
+from sistap.tap.line.reader import PortLost, Reader, device, latency, open_reader, several, together
+from sistap.tap.line.reader.computer import Still
+from sistap.tap.line.reader.several import PolledReaders, ThreadedReaders
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.records.record import Event, Type
 
 # python-pcapng warns of itself.
 pytestmark = [

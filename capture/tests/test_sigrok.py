@@ -23,12 +23,12 @@ from portable import posix
 from sampled_wire import NS, SIGROK, Sent, needs_sigrok, of_records, play, sampled
 
 from sistap import cli
-from sistap.analyser.probe import Probe, hertz, plugged_in
-from sistap.analyser.reader import SampleClock
-from sistap.captures.reading import records
-from sistap.line.settings import Flag, LineSettings
-from sistap.records.record import Event, Record, Type
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures.reading import records
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.analyser.probe import Probe, hertz, plugged_in
+from sistap.tap.analyser.reader import SampleClock
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.record import Event, Record, Type
 
 BAD, BREAK, LOST, GOOD = Flag.CHARACTER_ERROR, Flag.BREAK, Flag.LOST_BEFORE, Flag(0)
 MHZ = 1_000_000

@@ -20,11 +20,11 @@ from machines import (
 )
 from portable import posix, take_over_zone
 
-from sistap.episodes.engine import Engine
-from sistap.episodes.lines import clock_of
-from sistap.line.settings import Flag
-from sistap.records.record import Event
-from sistap.wireshark.rows import OTHER
+from sistap.dissected.episodes.engine import Engine
+from sistap.dissected.episodes.lines import clock_of
+from sistap.dissected.wireshark.rows import OTHER
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import Event
 
 
 def zone(monkeypatch: pytest.MonkeyPatch, name: str) -> Iterator[None]:

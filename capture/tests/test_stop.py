@@ -22,9 +22,9 @@ from types import FrameType
 
 import pytest
 
-from sistap.common import temporary
-from sistap.terminal.stop import AGAIN_S, Stop, Stopped, held
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.common import temporary
+from sistap.tap.terminal.stop import AGAIN_S, Stop, Stopped, held
 
 pytestmark = pytest.mark.tap
 
@@ -169,7 +169,9 @@ def test_the_end_of_a_command_ends_a_process_for_good() -> None:
 
 
 def test_during_the_imports_it_just_ends() -> None:
-    text = "import signal; from sistap.terminal.stop import Stop; Stop().begin(); signal.raise_signal(15); print('on')"
+    text = (
+        "import signal; from sistap.tap.terminal.stop import Stop; Stop().begin(); signal.raise_signal(15); print('on')"
+    )
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
 

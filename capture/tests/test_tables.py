@@ -16,12 +16,12 @@ import report_capture
 from commands import refused, run, run_anew
 from report_capture import Sent, write
 
-from sistap.captures.portions import Portion
-from sistap.line.settings import Flag
-from sistap.packets.dissection import Dissection
-from sistap.sis.telegram import build
-from sistap.tables.rows import FIELDS, Rows
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.tables.rows import FIELDS, Rows
+from sistap.dissected.captures.portions import Portion
+from sistap.dissected.packets.dissection import Dissection
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.line.settings import Flag
+from sistap.tap.sis.telegram import build
 
 duckdb = pytest.importorskip("duckdb", reason="duckdb asks the tables: pip install duckdb")
 pytest.importorskip("pyarrow", reason="pyarrow writes the tables: pip install pyarrow")

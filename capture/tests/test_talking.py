@@ -16,12 +16,12 @@ import pytest
 from portable import terminals
 from test_bus import BUS, TIMEOUT_S, octets, running
 
-from sistap.bus.playing.characters import Played
-from sistap.bus.playing.conducting import Script, conduct, repeating
-from sistap.bus.playing.player import Times
-from sistap.bus.wires.talking import UNASKED, RealLine
-from sistap.line.settings import LineSettings
-from sistap.sis.telegram import build
+from sistap.commands.bus.playing.characters import Played
+from sistap.commands.bus.playing.conducting import Script, conduct, repeating
+from sistap.commands.bus.playing.player import Times
+from sistap.commands.bus.wires.talking import UNASKED, RealLine
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.sis.telegram import build
 
 TIMES = Times(trs=50, tza=5, tmas=500)
 TWM_NS = 60_000_000

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import pytest
 
-from sistap.capture.tap import Tap
-from sistap.line.settings import LineSettings, Read
-from sistap.records.counters import Counters
-from sistap.records.record import Event, Record
+from sistap.tap.capture.tap import Tap
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import Event, Record
 
 pytestmark = pytest.mark.tap
 
@@ -88,7 +88,7 @@ class WallClock:
 @pytest.fixture
 def both(monkeypatch: pytest.MonkeyPatch) -> Tapped:
     """Both directions of a line."""
-    monkeypatch.setattr("sistap.capture.tap.CLOCK", WallClock())
+    monkeypatch.setattr("sistap.tap.capture.tap.CLOCK", WallClock())
     ports, sink, counters = [Port(1), Port(2)], Sink(), Counters()
     return Tapped(Tap(ports, sink, counters, lambda: 10), ports, sink, counters)
 
@@ -178,7 +178,7 @@ class DistantPort(Port):
 
 
 def test_a_distant_tap_has_its_own_time_from_the_first_event_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sistap.capture.tap.CLOCK", WallClock())
+    monkeypatch.setattr("sistap.tap.capture.tap.CLOCK", WallClock())
     sink = Sink()
     tap = Tap([DistantPort(0)], sink, Counters(), lambda: 10)
     tap.begin({0: "begun"})

@@ -12,12 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sistap
-from sistap.line.settings import LineSettings
-from sistap.packets.dissection import Packet, Telegram
-from sistap.records.record import Event, Framing, Record, Type
-from sistap.sis.telegram import build
-from sistap.telegrams.interpreter import Interpreter
-from sistap.telegrams.values import Attribute, Value, value
+from sistap.dissected.packets.dissection import Packet, Telegram
+from sistap.dissected.telegrams.interpreter import Interpreter
+from sistap.dissected.telegrams.values import Attribute, Value, value
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Event, Framing, Record, Type
+from sistap.tap.sis.telegram import build
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 S36, S95 = bytes.fromhex("00 24 00"), bytes.fromhex("00 5F 00")

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from portable import modes, posix
 
-from sistap.common import temporary
-from sistap.wireshark.tshark import NOBODY, Tshark
+from sistap.dissected.wireshark.tshark import NOBODY, Tshark
+from sistap.tap.common import temporary
 
 pytestmark = posix("no locks of folders, and no SIGKILL")
 NAME = temporary.PREFIX + "abcdefgh"
@@ -40,7 +40,9 @@ def left(folder: Path) -> Path:
 @pytest.mark.attack("SIGKILL while tshark has a copy of a capture", "the next start removes the copy")
 def test_what_a_killed_process_leaves(folder: Path) -> None:
     """It is removed by the next one, but not while it lives."""
-    program = "from sistap.common import temporary; made = temporary.Folder(); print(made.path, flush=True); input()"
+    program = (
+        "from sistap.tap.common import temporary; made = temporary.Folder(); print(made.path, flush=True); input()"
+    )
     with subprocess.Popen(
         [sys.executable, "-c", program],
         env=os.environ | {"TMPDIR": str(folder)},

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.bus.scenarios.scenario import Playing, load
-from sistap.bus.stations.making import make
-from sistap.bus.wires.answering import Answering
-from sistap.line.settings import LineSettings
-from sistap.sis.telegram import build
+from sistap.commands.bus.scenarios.scenario import Playing, load
+from sistap.commands.bus.stations.making import make
+from sistap.commands.bus.wires.answering import Answering
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.sis.telegram import build
 
 TABLES: list[dict[str, object]] = [
     {"address": 21, "parameters": {"P-0-4006": {"decimals": 4, "value": [0, 90, 180]}}},

@@ -9,11 +9,11 @@ import pytest
 from portable import take_over_zone
 from specification import TELEGRAMS
 
-from sistap.explain.plain import lines
-from sistap.line.settings import Flag, LineSettings
-from sistap.records.counters import Counters
-from sistap.records.record import INTERVAL_MAX, Framing, Record, Type
-from sistap.sis.telegram import build
+from sistap.dissected.explain.plain import lines
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import INTERVAL_MAX, Framing, Record, Type
+from sistap.tap.sis.telegram import build
 
 NOON_NS = 1_700_049_600_000_000_000  # 2023-11-15 12:00:00 UTC
 

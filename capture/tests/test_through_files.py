@@ -11,16 +11,16 @@ import pytest
 from report_capture import ANSWER, LINE, READ, Sent, records
 
 from sistap import cli
-from sistap.capture.tap import Tap
-from sistap.captures import reading
-from sistap.captures.portions import Portion
-from sistap.files.output import Output
-from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.files.writer import PcapngWriter
-from sistap.packets.dissection import Dissection
-from sistap.records.counters import Counters
-from sistap.records.record import KEPT, Event, Record, event
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.captures import reading
+from sistap.dissected.captures.portions import Portion
+from sistap.dissected.packets.dissection import Dissection
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.capture.tap import Tap
+from sistap.tap.files.output import Output
+from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import KEPT, Event, Record, event
 
 SECOND = 1_000_000_000
 TALK = [Sent(READ), Sent(ANSWER)] * 30
@@ -68,7 +68,7 @@ def report(capsys: pytest.CaptureFixture[str], capture: Path) -> str:
 
 
 def said_by_the_tap(monkeypatch: pytest.MonkeyPatch) -> str:
-    monkeypatch.setattr("sistap.capture.tap.CLOCK", Clock())
+    monkeypatch.setattr("sistap.tap.capture.tap.CLOCK", Clock())
     noted: list[str] = []
     monkeypatch.setattr(Tap, "note", lambda tap, number, code, text: noted.append(text))
     monkeypatch.setattr(Tap, "reader", lambda tap, number: Port())

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import pytest
 
-from sistap.line.settings import Flag, LineSettings
-from sistap.records.before import Before, heard
-from sistap.records.record import MAX_CHARACTERS, Event, Record, Type, event
-from sistap.sis.telegram import build
-from sistap.sis.told import MOST_PARAMETERS, Told
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.before import Before, heard
+from sistap.tap.records.record import MAX_CHARACTERS, Event, Record, Type, event
+from sistap.tap.sis.telegram import build
+from sistap.tap.sis.told import MOST_PARAMETERS, Told
 
 pytestmark = pytest.mark.tap
 

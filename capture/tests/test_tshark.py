@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from sistap.wireshark.tshark import NOBODY, Tshark, TsharkError
+from sistap.dissected.wireshark.tshark import NOBODY, Tshark, TsharkError
 
 
 def test_lines_come_while_it_runs_and_the_rest_is_not_waited_for() -> None:
@@ -131,7 +131,7 @@ def test_plugins_that_only_root_may_read_are_seen(tmp_path: Path) -> None:
 
 
 def test_the_room_is_tshark_that_sees_the_plugin() -> None:
-    command = [sys.executable, "-m", "sistap.wireshark", "-G", "plugins"]
+    command = [sys.executable, "-m", "sistap.dissected.wireshark", "-G", "plugins"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, "sis.so" in done.stdout) == (0, True), done.stderr
 

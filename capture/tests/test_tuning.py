@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 from portable import descriptors
 
-from sistap.line.reader.tuning import Tuning
-from sistap.line.settings import LineSettings
+from sistap.tap.line.reader.tuning import Tuning
+from sistap.tap.line.settings import LineSettings
 
 pytestmark = pytest.mark.tap
 
@@ -170,8 +170,8 @@ def test_undone_when_the_port_has_gone(tmp_path: Path, timer: Path, descriptor: 
 FORGETFUL = """
 import os, sys
 from pathlib import Path
-from sistap.line.settings import LineSettings
-from sistap.line.reader.tuning import Tuning
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.line.reader.tuning import Tuning
 Tuning("/nowhere/ttyUSB0", 0, LineSettings(), Path(sys.argv[1]))
 print(Path(sys.argv[2]).read_text(), flush=True)
 sys.stdin.read()

@@ -8,9 +8,9 @@ from fractions import Fraction
 import pytest
 from sampled_wire import NS, Sent, sampled
 
-from sistap.analyser.finding import Line, find
-from sistap.analyser.uart import Edges, Sampled, Uart
-from sistap.line.settings import Flag, LineSettings
+from sistap.tap.analyser.finding import Line, find
+from sistap.tap.analyser.uart import Edges, Sampled, Uart
+from sistap.tap.line.settings import Flag, LineSettings
 
 RATE = 1_000_000
 BAD, BREAK, GOOD = Flag.CHARACTER_ERROR, Flag.BREAK, Flag(0)

@@ -25,21 +25,21 @@ from commands import refused, run
 from portable import posix
 
 from sistap import cli
-from sistap.accesses.access import Access, Parameter
-from sistap.captures import reading
-from sistap.common.packages import NotInstalled
-from sistap.episodes.live import LIVE
-from sistap.explain.relay import Seams
-from sistap.files.pcapng import Interface
-from sistap.recorder import outlets
-from sistap.recorder import values as values_module
-from sistap.recorder.keeper import Around
-from sistap.recorder.outlets import SECRET, Refused, Undelivered, Value, line, message, outlet_of, topic
-from sistap.recorder.recorder import Recorder, Wanted
-from sistap.recorder.values import Values
-from sistap.recorder.watching import judges
-from sistap.terminal.exits import UsageError
-from sistap.wireshark.tshark import Tshark
+from sistap.commands.recorder import outlets
+from sistap.commands.recorder import values as values_module
+from sistap.commands.recorder.keeper import Around
+from sistap.commands.recorder.outlets import SECRET, Refused, Undelivered, Value, line, message, outlet_of, topic
+from sistap.commands.recorder.recorder import Recorder, Wanted
+from sistap.commands.recorder.values import Values
+from sistap.commands.recorder.watching import judges
+from sistap.dissected.accesses.access import Access, Parameter
+from sistap.dissected.captures import reading
+from sistap.dissected.episodes.live import LIVE
+from sistap.dissected.explain.relay import Seams
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.common.packages import NotInstalled
+from sistap.tap.files.pcapng import Interface
+from sistap.tap.terminal.exits import UsageError
 
 PATIENCE_S = 60
 thorough = pytest.mark.thorough

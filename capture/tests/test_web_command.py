@@ -22,10 +22,10 @@ import pytest
 from portable import terminals
 
 from sistap import cli
-from sistap.common import pages
-from sistap.web import command
-from sistap.web.command import Server, with_tap
-from sistap.web.listen import Listening
+from sistap.commands.web import command
+from sistap.commands.web.command import Server, with_tap
+from sistap.commands.web.listen import Listening
+from sistap.tap.common import pages
 
 PAGE = '<!DOCTYPE html><html lang="en"><meta content="default-src \'none\'; connect-src blob:; img-src data:">'
 TELEGRAM = bytes.fromhex("02 D9 00 00 00 12 10 03")
@@ -74,12 +74,12 @@ def served(page: Path) -> Iterator[tuple[str, int]]:
     ours, theirs = os.openpty()
     tty.setraw(theirs)
     code = (
-        "import sys; from pathlib import Path; from sistap import cli; from sistap.common import pages;"
+        "import sys; from pathlib import Path; from sistap import cli; from sistap.tap.common import pages;"
         "pages.FOLDERS = (Path(sys.argv[1]).parent,); sys.exit(cli.main(['web', '-q', '-i', sys.argv[2]]))"
     )
     environment = {
         **os.environ,
-        "PYTHONPATH": str(Path(command.__file__).parents[2]),
+        "PYTHONPATH": str(Path(command.__file__).parents[3]),
         "DISPLAY": "",
         "WAYLAND_DISPLAY": "",
     }

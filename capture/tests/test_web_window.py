@@ -9,14 +9,14 @@ from pathlib import Path
 import pcapng as reader
 import pytest
 
-from sistap.bus.scenarios import scenario
 from sistap.cli import main
-from sistap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.line.settings import LineSettings
-from sistap.records.record import Event, Record, Type, unpack
-from sistap.sis.telegram import build
-from sistap.web.play import Play
-from sistap.web.window import MOST, Window
+from sistap.commands.bus.scenarios import scenario
+from sistap.commands.web.play import Play
+from sistap.commands.web.window import MOST, Window
+from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Event, Record, Type, unpack
+from sistap.tap.sis.telegram import build
 
 MS = 1_000_000
 MOST_AT_THE_END = 2000  # bytes of the last telegrams, and of the counters

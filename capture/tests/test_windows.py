@@ -23,20 +23,20 @@ from typing import Any, NamedTuple
 import pytest
 
 from sistap import cli
-from sistap.analyser import probe
-from sistap.bus.wires import place, port
-from sistap.capture.filter import FilterError, candidates, opened
-from sistap.common import pages
-from sistap.files.output import Output, ReaderGone
-from sistap.install import shell, userpath
-from sistap.line import measurement, ports
-from sistap.line.reader import PortError, PortLost, computer, open_reader
-from sistap.line.settings import LineSettings
-from sistap.terminal import programs, state
-from sistap.terminal.advice import shell_word
-from sistap.terminal.console import Console, is_reader_gone
-from sistap.terminal.stop import Stop
-from sistap.wireshark.tshark import Tshark, TsharkError, environment
+from sistap.commands.bus.wires import place, port
+from sistap.commands.install import shell, userpath
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError, environment
+from sistap.tap.analyser import probe
+from sistap.tap.capture.filter import FilterError, candidates, opened
+from sistap.tap.common import pages
+from sistap.tap.files.output import Output, ReaderGone
+from sistap.tap.line import measurement, ports
+from sistap.tap.line.reader import PortError, PortLost, computer, open_reader
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.terminal import programs, state
+from sistap.tap.terminal.advice import shell_word
+from sistap.tap.terminal.console import Console, is_reader_gone
+from sistap.tap.terminal.stop import Stop
 
 PATIENCE_S = 20
 
@@ -127,8 +127,8 @@ def test_a_capture_ends_well_when_wireshark_closes_its_pipe(monkeypatch: pytest.
     def refuse(descriptor: int, data: bytes) -> int:
         raise OSError(errno.EINVAL, "Invalid argument")
 
-    monkeypatch.setattr("sistap.files.output.os.write", refuse)
-    monkeypatch.setattr("sistap.files.output.is_reader_gone", partial(is_reader_gone, system="win32"))
+    monkeypatch.setattr("sistap.tap.files.output.os.write", refuse)
+    monkeypatch.setattr("sistap.tap.files.output.is_reader_gone", partial(is_reader_gone, system="win32"))
     with pytest.raises(ReaderGone):
         output.write(b"block")
     monkeypatch.undo()
@@ -272,7 +272,7 @@ def registry(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> dict[object, st
 def test_a_device_that_windows_calls_new_is_not_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """`sistap record` without a ring writes to `nul`: to remove that would fail."""
     (tmp_path / "nul").touch()
-    monkeypatch.setattr("sistap.files.output._open", lambda *_, **__: (os.open(os.devnull, os.O_WRONLY), True))
+    monkeypatch.setattr("sistap.tap.files.output._open", lambda *_, **__: (os.open(os.devnull, os.O_WRONLY), True))
     Output(str(tmp_path / "nul")).close()
     assert (tmp_path / "nul").exists()
 
@@ -336,7 +336,7 @@ def test_what_was_written_is_opened_with_the_wireshark_that_is_there(
     registry: dict[object, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     registry["machine"] = put(tmp_path / "Program Files/Wireshark/wireshark.exe")
-    monkeypatch.setattr("sistap.files.output.shell_word", partial(shell_word, system="win32"))
+    monkeypatch.setattr("sistap.tap.files.output.shell_word", partial(shell_word, system="win32"))
     output = Output(str(tmp_path / "my day.pcapng"))
     output.begin()
     output.write(b"block")

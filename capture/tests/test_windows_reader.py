@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from sistap import windows
-from sistap.line import measurement
-from sistap.line.ports import Adapter
-from sistap.line.reader import PortError, PortLost, computer, latency
-from sistap.line.reader.computer import Still
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
-from sistap.windows import CommPort, flags
+from sistap.tap import windows
+from sistap.tap.line import measurement
+from sistap.tap.line.ports import Adapter
+from sistap.tap.line.reader import PortError, PortLost, computer, latency
+from sistap.tap.line.reader.computer import Still
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
+from sistap.tap.windows import CommPort, flags
 
 pytestmark = pytest.mark.tap
 

@@ -10,14 +10,14 @@ import independent
 import pytest
 from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics
 
-from sistap.files import writer
-from sistap.files.output import Limits, Output
-from sistap.files.pcapng import LINK_TYPES, LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.files.writer import PcapngWriter
-from sistap.line.settings import LineSettings
-from sistap.records.counters import Counters
-from sistap.records.record import Event, Record, Type, event
-from sistap.sis.telegram import build
+from sistap.tap.files import writer
+from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.pcapng import LINK_TYPES, LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.counters import Counters
+from sistap.tap.records.record import Event, Record, Type, event
+from sistap.tap.sis.telegram import build
 
 # python-pcapng warns of itself.
 pytestmark = [

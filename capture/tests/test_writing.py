@@ -14,9 +14,9 @@ from attacks import ROOT
 from commands import run, run_with
 from portable import fifos, links, modes, posix
 
-from sistap.common.writing import Incomplete, NotOpened, opened
-from sistap.files.output import Limits, Output, file_name
-from sistap.recorder import retention
+from sistap.commands.recorder import retention
+from sistap.tap.common.writing import Incomplete, NotOpened, opened
+from sistap.tap.files.output import Limits, Output, file_name
 
 HOUR_NS = 3600 * 1_000_000_000
 NAME = "x.svg"  # of the file to write; --plot takes pictures only

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from wine import ROOT, TIMEOUT_S, Wine, drive, emptied, here
 
-from sistap.captures.reading import records
-from sistap.records.record import Type
+from sistap.dissected.captures.reading import records
+from sistap.tap.records.record import Type
 
 DAY = ROOT / "test-captures/commands.pcapng"
 LARGE_KB, KEPT, CYCLES = 5, 3, "4"

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 from wine import TIMEOUT_S, Wine, drive, until
 
-from sistap.beside.aligning import latest_times
-from sistap.captures.reading import records
-from sistap.line.settings import UNCERTAINTY_UNKNOWN, Flag
-from sistap.records.record import Record, Type
+from sistap.commands.beside.aligning import latest_times
+from sistap.dissected.captures.reading import records
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag
+from sistap.tap.records.record import Record, Type
 
 SENT = bytes(range(256)) * 2
 PAUSE_S = 0.002  # longer than a character

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from wine import CAPTURE, Wine, drive, emptied
 
-from sistap.captures.reading import records
-from sistap.install.shell import settings
-from sistap.records.record import Event, Type
+from sistap.commands.install.shell import settings
+from sistap.dissected.captures.reading import records
+from sistap.tap.records.record import Event, Type
 
 FILTER = 'link[5]==0x10&&link[6]==16 %PATH% "a  b" \\'
 PROGRAM = Path(".config/wireshark/extcap/sistap.exe")  # in a home

@@ -11,8 +11,8 @@ TOP = Path(__file__).parents[2]
 sys.path[:0] = [str(TOP / "test-captures"), str(TOP / "capture")]
 
 from pages.content import content  # noqa: E402
-from sistap.compare import page as of_comparison  # noqa: E402
-from sistap.report import page as of_report  # noqa: E402
+from sistap.commands.compare import page as of_comparison  # noqa: E402
+from sistap.commands.report import page as of_report  # noqa: E402
 
 if __name__ == "__main__":
     json.dump(

@@ -12,8 +12,8 @@ from zipfile import ZIP_DEFLATED, ZipFile
 from sampled_wire import NS, Sent, sampled
 from usb_captures import STATUS, Host, Recorder, UsbPcap, cdc, ftdi
 
-from sistap.line.settings import LineSettings
-from sistap.sis.telegram import build
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.sis.telegram import build
 
 # Figure 8-21 of the SIS definition: the phase is read, and it is 2.
 COMMAND = build(0x12, 16, 3)

@@ -25,10 +25,10 @@ from recordings import COMMAND, RECORDINGS
 
 from chromium import Chromium, ChromiumError
 from make import HERE as CAPTURES
-from sistap.bus.scenarios import scenario
 from sistap.cli import main
-from sistap.sis.telegram import build
-from sistap.web import command
+from sistap.commands.bus.scenarios import scenario
+from sistap.commands.web import command
+from sistap.tap.sis.telegram import build
 
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(600)]
 
@@ -622,7 +622,7 @@ def test_the_tap_of_this_computer(window: Chromium, page: Path) -> None:
     ours, theirs = os.openpty()
     tty.setraw(theirs)
     code = (
-        "import sys; from pathlib import Path; from sistap import cli; from sistap.common import pages;"
+        "import sys; from pathlib import Path; from sistap import cli; from sistap.tap.common import pages;"
         "pages.FOLDERS = (Path(sys.argv[1]).parent,); sys.exit(cli.main(['web', '-q', '-i', sys.argv[2]]))"
     )
     package = str(Path(command.__file__).parents[2])

@@ -15,10 +15,10 @@ from report_capture import Sent, write
 
 from chromium import Chromium
 from make import HERE as CAPTURES
-from sistap.files import pcapng
-from sistap.line.settings import LineSettings
-from sistap.records.record import Event, event
-from sistap.sis.telegram import build
+from sistap.tap.files import pcapng
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Event, event
+from sistap.tap.sis.telegram import build
 
 PAGE = Path(__file__).parent
 IMAGE = "<img src=x onerror=alert(1)>"

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from make import HERE as CAPTURES
-from sistap.captures.reading import records
-from sistap.records.record import Type
+from sistap.dissected.captures.reading import records
+from sistap.tap.records.record import Type
 
 HOURS = float(os.environ.get("SIS_PAGE_HOURS", "0.2"))  # what README.md says is of 8
 MB = 1_000_000

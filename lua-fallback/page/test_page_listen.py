@@ -17,9 +17,9 @@ import pytest
 
 from chromium import Chromium
 from parity import SCRIPT
-from sistap.captures.reading import records
-from sistap.line.settings import Flag
-from sistap.records.record import Event, Record, Type
+from sistap.dissected.captures.reading import records
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import Event, Record, Type
 
 HERE = Path(__file__).parent
 SECONDS = float(os.environ.get("SIS_PAGE_SECONDS", "12"))  # of each line; what README.md says is of 600

@@ -20,7 +20,7 @@ from chromium import Chromium
 from make import Scenario, scenarios
 from pages import content
 from parity import SCRIPT
-from sistap.wireshark.tshark import Tshark
+from sistap.dissected.wireshark.tshark import Tshark
 
 PROFILE = SCRIPT.parents[1] / "capture" / "sistap" / "profile" / "SIS" / "preferences"
 PLAYED = SCRIPT.parents[1] / "build" / "course"  # captures of lessons that the virtual bus plays

@@ -18,7 +18,7 @@ from recordings import METADATA, RECORDINGS
 
 from make import HERE as CAPTURES
 from parity import SCRIPT
-from sistap.bus.scenarios import scenario
+from sistap.commands.bus.scenarios import scenario
 
 Job = dict[str, Any]
 PACKAGE = SCRIPT.parents[1] / "capture" / "sistap"

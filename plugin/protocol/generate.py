@@ -54,8 +54,8 @@ def made(description: Description) -> Iterator[tuple[Path, str]]:
     yield SCRIPT, _script(description)
     yield HERE.parent / "REFERENCE.md", in_markdown.reference(description)
     for name in ("codes", "faults", "names"):
-        yield SISTAP / "sis" / f"{name}.py", getattr(in_python, name)(description)
-    yield SISTAP / "episodes" / "standard.py", in_python.standard(description)
+        yield SISTAP / "tap/sis" / f"{name}.py", getattr(in_python, name)(description)
+    yield SISTAP / "dissected/episodes/standard.py", in_python.standard(description)
     for name in ("colorfilters", "dfilter_buttons"):
         yield GRAPHS.with_name(name), getattr(in_profile, name)(description)
     yield GRAPHS, _graphs(description)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The description in Python: what sistap needs of it without Wireshark (sistap/sis/codes.py)."""
+"""The description in Python: what sistap needs of it without Wireshark (sistap/tap/sis/codes.py)."""
 
 from __future__ import annotations
 

@@ -49,8 +49,8 @@
 /* Bytes of a command of Telnet. More means that its end was lost. */
 #define SIS_MOST_TELNET 64
 
-/* Bytes of a line of the ASCII protocol, as in capture/sistap/records/framer.py. TCP waits for the rest of
- * fewer. */
+/* Bytes of a line of the ASCII protocol, as in capture/sistap/tap/records/framer.py. TCP waits for the
+ * rest of fewer. */
 #define SISASCII_MOST_LINE 4096
 
 /* Tries to connect, and to send a block. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* What was told before a file began: facts, one in a line. The tap heard them and writes them into an event
  * where a file continues another. What is heard afterwards replaces them. The lines are those of
- * capture/sistap/sis/told.py:
+ * capture/sistap/tap/sis/told.py:
  *
  *     3 TzA 5 ms                                          all TrS 40 ms not accepted
  *     3 baud rate 19200 Bd for 500000000 ns               (the rest of a timed test)

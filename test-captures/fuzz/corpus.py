@@ -18,9 +18,9 @@ from typing import NamedTuple
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent.parent / "capture"))
 
-from sistap.captures import reading  # noqa: E402
-from sistap.files import pcapng  # noqa: E402
-from sistap.records import record  # noqa: E402
+from sistap.dissected.captures import reading  # noqa: E402
+from sistap.tap.files import pcapng  # noqa: E402
+from sistap.tap.records import record  # noqa: E402
 
 # As sequence.h has them.
 BY_NAME = ("sertap", "sis", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxobj", "synaxpcp", "synaxpd")

@@ -24,8 +24,9 @@ PORT = "/dev/virtio-ports/agent"
 USERS = {"root": (0, []), "tap": (1000, [20]), "outsider": (1001, [])}  # number, groups: dialout has the serial ports
 OURS = ("adapter", "gadget", "opened", "port", "terminal", "uart", "usbmon")  # modules beside this with a main()
 LOADED = (
-    "sistap.cli sistap.capture.command sistap.capture.running sistap.doctor sistap.extcap.command "
-    "sistap.extcap.started sistap.line.ports sistap.selftest serial.tools.list_ports"
+    "sistap.cli sistap.tap.capture.command sistap.tap.capture.running sistap.commands.doctor "
+    "sistap.commands.extcap.command sistap.commands.extcap.started sistap.tap.line.ports sistap.commands.selftest "
+    "serial.tools.list_ports"
 ).split()
 
 Message = dict[str, Any]

@@ -10,8 +10,8 @@ from __future__ import annotations
 import json
 import sys
 
-from sistap.line.reader import PortError, Reader, open_reader
-from sistap.line.settings import LineSettings
+from sistap.tap.line.reader import PortError, Reader, open_reader
+from sistap.tap.line.settings import LineSettings
 
 
 def main(port: str) -> int:

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import sistap
 from sistap import cli
-from sistap.install import completion, shell
+from sistap.commands.install import completion, shell
 
 HOUSE = Path(__file__).resolve().parents[3]
 INTERPRETER, PRIVATE = "/usr/bin/python3", Path("/usr/share/sistap")

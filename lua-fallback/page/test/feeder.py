@@ -13,10 +13,10 @@ import sys
 import time
 from pathlib import Path
 
-from sistap.bus.scenarios.scenario import Playing, load
-from sistap.bus.wires.pseudo_terminal import PseudoTerminal
-from sistap.bus.wires.wire import Pace
-from sistap.line.settings import LineSettings
+from sistap.commands.bus.scenarios.scenario import Playing, load
+from sistap.commands.bus.wires.pseudo_terminal import PseudoTerminal
+from sistap.commands.bus.wires.wire import Pace
+from sistap.tap.line.settings import LineSettings
 
 CHARACTER = struct.Struct("<BQQ")
 

@@ -7,7 +7,7 @@ import { callTap } from "./tap.js";
 
 const OUT = "bus.pcapng";
 
-// The switches of sistap/web/play.py.
+// The switches of sistap/commands/web/play.py.
 const SWITCHES = {
   late: "Late reactions", silent: "Missing reactions", pause: "Pauses in telegrams", checksum: "Wrong checksums",
   parity: "Parity errors", break: "Breaks", lost: "Lost characters", noise: "Noise",

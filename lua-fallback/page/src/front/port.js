@@ -9,7 +9,7 @@ const LOST = ["BufferOverrunError"]; // errors after which characters are missin
 const GONE = ["NetworkError"];
 
 export class ListeningPort {
-  // `hear` is called with chunks as sistap/web/listen.py takes them.
+  // `hear` is called with chunks as sistap/commands/web/listen.py takes them.
   constructor(port, line, lateness, hear) {
     this.port = port;
     this.line = line;

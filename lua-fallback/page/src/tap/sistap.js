@@ -76,13 +76,13 @@ export class Sistap {
     }
   }
 
-  // Makes a capture of a log: {capture, lines, places, said, unread}, see sistap/web/opening.py. Null for what has to be
+  // Makes a capture of a log: {capture, lines, places, said, unread}, see sistap/commands/web/opening.py. Null for what has to be
   // imported.
   log(task, name, bytes, pattern = "") {
     const { FS } = this.python;
     FS.writeFile(`${WORK}/${name}`, bytes);
     try {
-      return this.using("sistap.web.opening", (opening) => {
+      return this.using("sistap.commands.web.opening", (opening) => {
         if (!pattern && opening.is_import(name)) return null;
         const log = JSON.parse(opening.open_log(name, CAPTURE, pattern, (part) => task.progress(part)));
         return { ...log, capture: FS.readFile(`${WORK}/${CAPTURE}`) };
@@ -94,22 +94,22 @@ export class Sistap {
 
   // The scenarios of the bus: [[name, title, whether faults can be switched], ...].
   scenarios() {
-    return this.using("sistap.web.play", (play) => JSON.parse(play.listed()));
+    return this.using("sistap.commands.web.play", (play) => JSON.parse(play.listed()));
   }
 
   // Begins to play a scenario, or one in a text; then `step` plays up to a time in s.
   play(name, seed, text = "") {
     if (text) this.python.FS.writeFile(`${WORK}/${name}`, text);
     try {
-      this.live = this.using("sistap.web.play", (play) => play.Play(name, seed));
+      this.live = this.using("sistap.commands.web.play", (play) => play.Play(name, seed));
     } finally {
       this.tidy();
     }
   }
 
-  // Begins to listen; then `step` takes what the page has read. See sistap/web/listen.py.
+  // Begins to listen; then `step` takes what the page has read. See sistap/commands/web/listen.py.
   listen(asked) {
-    this.live = this.using("sistap.web.listen", (listen) => listen.Listening(JSON.stringify(asked)));
+    this.live = this.using("sistap.commands.web.listen", (listen) => listen.Listening(JSON.stringify(asked)));
   }
 
   switch(kind, isOn) {

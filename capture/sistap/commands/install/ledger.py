@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The list of what `sistap install` has installed, so that it and `uninstall` touch nothing else.
+
+sistap replaces or removes a file only if nobody has changed it, and only in a folder into which install puts files. A
+file that somebody has changed, that was there before, or that the list names elsewhere stays, with a message.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from contextlib import suppress
+from pathlib import Path
+
+from sistap.dissected.wireshark.folders import Own
+from sistap.tap.terminal import state
+
+
+class LedgerError(Exception):
+    """The list cannot be used; the text is the line to show."""
+
+
+class ElsewhereError(Exception):
+    """The list names a file outside of these folders; the text is the line to show."""
+
+
+class Ledger:
+    """The list of the files and folders that were made, for this user, or as root for all users."""
+
+    def __init__(self, *, for_all: bool) -> None:
+        """Read the list, if there is one. LedgerError, OSError; RuntimeError if there can be none."""
+        name = "installed-for-all.json" if for_all else "installed.json"
+        self.path = state.folder() / name
+        self._files: dict[str, str] = {}  # path: SHA-256
+        self._folders: list[str] = []  # in the order in which they were made
+        self._left: set[Path] = set()  # folders from which a file was removed
+        if self.path.exists():
+            if state.is_root():
+                state.check(self.path)
+            self._load(self.path)
+
+    def _load(self, path: Path) -> None:
+        try:
+            if not path.is_file():  # to read a pipe would take for ever
+                raise ValueError(path)
+            entries = json.loads(path.read_text())
+            self._files = {_name(file): str(digest) for file, digest in entries["files"].items()}
+            self._folders = [_name(folder) for folder in entries["folders"]]
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+            raise LedgerError(f"{path} is not what `sistap install` writes: delete it, then install again") from None
+
+    @property
+    def is_empty(self) -> bool:
+        """Tell whether there is nothing to remove."""
+        return not self._files and not self._folders
+
+    @property
+    def files(self) -> list[Path]:
+        """Return what was installed and not removed yet."""
+        return [Path(path) for path in self._files]
+
+    def save(self) -> None:
+        """Write the list; remove it when nothing is left. May raise OSError."""
+        if self.is_empty:
+            _remove(self.path)
+        else:
+            text = json.dumps({"files": self._files, "folders": self._folders}, indent=2) + "\n"
+            state.save(self.path.name, text.encode())
+
+    def put(self, file: Path, content: bytes, *, executable: bool = False) -> str:
+        """Write a file, unless somebody else owns it; return the line that reports it. May raise OSError."""
+        is_new = not file.exists()
+        if file.is_file() and file.read_bytes() == content:  # somebody else may own it: a package may have put it there
+            return f"same     {file}"
+        if not is_new and not self._is_ours(file):
+            cure = "delete it and install again to have the one of this sistap"
+            return f"kept     {file}: it was not put there by `sistap install`, or changed since; {cure}"
+        self._make_folders(file.parent)
+        state.replace(file, content, executable=executable)
+        self._files[str(file)] = _digest(content)
+        return f"{'put' if is_new else 'renewed':8} {file}"
+
+    def adopt(self, file: Path) -> None:
+        """Put a file on the list that something else has put there for sistap, with its folder. May raise OSError."""
+        self._files[str(file)] = _digest(file.read_bytes())
+        if str(file.parent) not in self._folders:
+            self._folders.append(str(file.parent))
+
+    def remove(self, file: Path, own: Own) -> str:
+        """Remove a file that is ours; return the line that reports it.
+
+        OSError, or ElsewhereError if it is not in `own` folders: then it stays on the list.
+        """
+        if not own.have(file):
+            raise ElsewhereError(f"kept {file}: {self._elsewhere()}")
+        if not file.exists():
+            line = f"gone     {file}: somebody has removed it already"
+        elif self._is_ours(file):
+            with state.closed(file):
+                file.unlink()
+            line = f"removed  {file}"
+        else:
+            line = f"kept     {file}: it was changed since it was put there"
+        del self._files[str(file)]
+        self._left.add(file.parent)
+        return line
+
+    def remove_folders(self, own: Own) -> list[str]:
+        """Remove the folders that were made and are empty now; return lines, also about what is left in them."""
+        lines = []
+        in_use = {parent for file in self.files for parent in file.parents}
+        for folder in [Path(folder) for folder in reversed(self._folders)]:
+            if folder in in_use:
+                continue
+            if not own.are_below(folder):
+                lines.append(f"kept     {folder}: {self._elsewhere()}")
+                continue
+            self._folders.remove(str(folder))
+            others = sorted(file.name for file in folder.iterdir()) if folder.is_dir() else []
+            if folder.is_dir() and not others:
+                folder.rmdir()
+                lines.append(f"removed  {folder}")
+            elif others and folder in self._left:
+                lines.append(f"kept     {folder}: it still has {', '.join(others)}")
+        return lines
+
+    def _elsewhere(self) -> str:
+        return (
+            f"{self.path} names it, but it is in none of the folders of `sistap install`; if it is yours, delete it "
+            "yourself"
+        )
+
+    def _is_ours(self, file: Path) -> bool:
+        if not file.is_file() or file.is_symlink():
+            return False
+        return _digest(file.read_bytes()) == self._files.get(str(file))
+
+    def _make_folders(self, folder: Path) -> None:
+        missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
+        for parent in reversed(missing):
+            parent.mkdir()
+            self._folders.append(str(parent))
+
+
+def _name(text: object) -> str:
+    """Check that the text can be the name of a file or folder. Raise ValueError if not."""
+    name = str(text)
+    if b"\0" in os.fsencode(name):
+        raise ValueError("a name has no NUL")
+    return name
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _remove(ledger: Path) -> None:
+    """Remove a list, and its folder if it is empty then."""
+    ledger.unlink(missing_ok=True)
+    with suppress(OSError):
+        ledger.parent.rmdir()

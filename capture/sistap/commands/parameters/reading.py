@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads the accesses of captures from tshark's output, as of one capture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from sistap.dissected.accesses.access import FIELD, Access, accesses
+from sistap.dissected.accesses.listing import Place
+from sistap.dissected.captures.joining import Joined, together
+from sistap.dissected.captures.portions import portions
+from sistap.dissected.wireshark import rows
+from sistap.dissected.wireshark.rows import damage
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError
+from sistap.tap.terminal.console import visible
+
+_TOGETHER = 64_000_000  # bytes of captures that are read at once: tshark needs six times as much memory
+_COLUMNS = ("frame.number", "frame.time_epoch", "frame.interface_name", FIELD)
+_NO_FIELD = (
+    f"tshark has no dissector for SIS that knows {FIELD}: `sistap install` puts one where it looks, or name its folder "
+    "in WIRESHARK_PLUGIN_DIR"
+)
+
+
+class Found(NamedTuple):
+    """An access, and its place."""
+
+    place: Place
+    access: Access
+
+
+def found(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None]) -> Iterator[Found]:
+    """Yield all accesses up to a damage, which is reported. Raise NotACapture or TsharkError."""
+    for portion in portions(captures, _TOGETHER):
+        with together(portion, say) as joined:
+            yield from _of_capture(tshark, joined, say)
+
+
+def _of_capture(tshark: Tshark, joined: Joined, say: Callable[[str], None]) -> Iterator[Found]:
+    came = False
+    # The second pass knows attributes that were read after values. The filter gives a script the fields that it needs.
+    passes = ["-2", "-R", "frame"]
+    try:
+        for line in tshark.lines(["-r", str(joined.path), *passes, "-Y", FIELD, *rows.printing(_COLUMNS)]):
+            came = True
+            columns = rows.columns(_COLUMNS, line)
+            capture, number = joined.place(int(columns["frame.number"]))
+            place = Place(visible(capture.name), number, float(columns["frame.time_epoch"] or 0))
+            for access in accesses(columns):
+                yield Found(place, access)
+    except TsharkError as error:
+        if FIELD in str(error):
+            raise TsharkError(_NO_FIELD) from None
+        capture = joined.parts[-1].capture
+        say(f"{capture}: only what comes before the damage: {damage(capture, error, came)}")

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A log as a capture, and where in its lines the telegrams stand: the page shows both side by side."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from sistap.commands.annotate import annotating, sources
+from sistap.commands.annotate.annotating import Passage
+from sistap.commands.annotate.cutting import Part
+from sistap.commands.annotate.pattern import PatternReader, TooSlow
+from sistap.commands.annotate.sources import Source, SourceError
+from sistap.commands.annotate.spool import Spool
+from sistap.commands.annotate.troubles import Troubles
+from sistap.commands.imports.formats import known
+from sistap.commands.parameters import backup
+from sistap.tap.records.cut import SIS
+from sistap.tap.terminal.advice import shell_word
+from sistap.tap.terminal.exits import UsageError
+
+
+class Log:
+    """A log that was read."""
+
+    def __init__(self, said: list[str], unread: list[str]) -> None:
+        self.lines: list[str] = []
+        self.places: list[list[tuple[int, int, int]]] = []  # of each packet's bytes: line from 0, first column, end
+        self.said = said  # of the whole log
+        self.unread = unread  # lines that could not be read, and why
+
+    def add(self, parts: Iterable[Part]) -> None:
+        """Note where the bytes of a packet stand."""
+        places = []
+        for piece, first, end in parts:
+            spans = piece.spans[first:end]
+            places.append((piece.line.number - 1, spans[0][0], spans[-1][1]))
+        self.places.append(places)
+
+
+def is_import(name: str) -> bool:
+    """Tell whether `sistap import` is for this file: of an analyser, or text of usbmon. May raise UsageError."""
+    return known(Path(name)) is not None
+
+
+def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], None]) -> str:
+    """Write a log as a capture; its packets are an event, then the telegrams. Return a Log as JSON. May raise
+    UsageError.
+    """
+    log = Path(name)
+    _refuse_backup(log)
+    unread: list[str] = []
+    troubles = Troubles(unread.append)
+    try:
+        source = sources.look(name, SIS, PatternReader(pattern) if pattern else None)
+        passage = Passage(source.reader, troubles.add)
+        with Spool() as spool, Path(capture).open("wb") as file:
+            batches = source.lines(SIS, lambda part: progress(part / 2))
+            annotating.record(batches, passage, log.name, file.write, spool)
+            if not passage.telegrams:
+                raise UsageError(_nothing(log, passage))
+            troubles.end()
+            found = Log(_remarks(source), unread)
+            for batch in spool.batches(lambda part: progress(0.5 + part / 2)):
+                for line, _, complete in batch:
+                    if line:
+                        found.lines.append(line.text)
+                    for parts in complete:
+                        found.add(parts)
+    except (SourceError, TooSlow, ValueError) as error:
+        raise UsageError(str(error)) from None
+    return json.dumps(found.__dict__)
+
+
+def _refuse_backup(log: Path) -> None:
+    with log.open("rb") as file:
+        if file.read(len(backup.MARK)) == backup.MARK.encode():
+            raise UsageError(
+                f"{log.name} is a backup of the parameters of a drive, not what was on a line: on a computer with "
+                f"sistap, `sistap parameters CAPTURE --against {shell_word(log.name)}` compares a capture with it"
+            )
+
+
+def _remarks(source: Source) -> list[str]:
+    if source.is_raw:
+        return ["It is no text: its bytes are read as they are, without times and directions."]
+    return [f"bytes: {source.reader.notation}"] if source.reader.notation else []
+
+
+def _nothing(log: Path, passage: Passage) -> str:
+    """Say why nothing can be shown."""
+    if passage.has_ascii:
+        return (
+            f"{log.name} has the ASCII protocol of drives: on a computer with sistap, "
+            f"`sistap annotate --framing ascii {shell_word(log.name)}` explains it"
+        )
+    if passage.bytes:
+        count = f"{passage.bytes} byte{'' if passage.bytes == 1 else 's'}"
+        return f"{log.name} has {count}, but no telegram of SIS: it may be the log of another protocol"
+    return f"{log.name} has no bytes in hexadecimal: make the other program log in hexadecimal"

@@ -1,0 +1,585 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the dissector says about each packet, streamed from tshark: the only source of figures for the products."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from sistap.dissected.accesses.access import FIELD as ACCESSES
+from sistap.dissected.accesses.access import Access, accesses
+from sistap.dissected.captures.portions import Portion
+from sistap.dissected.packets.apart import PACKED, apart, beside
+from sistap.dissected.packets.kept import Kept, Span
+from sistap.dissected.wireshark import rows
+from sistap.dissected.wireshark.rows import EVENT, JOINT, NECESSARY, NO_DISSECTOR, damage, first, told
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import INTERVAL_MAX, KEPT, Event
+from sistap.tap.sis.faults import FAULTS, SIGNS, Fault
+
+# Those that the installed dissector lacks are left out and named in the report.
+_SHOWN = (
+    "frame.number",
+    "frame.time_epoch",
+    "frame.time_relative",
+    "frame.interface_name",
+    "sertap.type",
+    "sertap.line",
+    "sertap.baud",
+    "sertap.format",
+    "sertap.framing",
+    "sertap.uncertainty",
+    "sertap.event",
+    "sertap.text",
+    "sertap.interval",
+    "sertap.interval.unknown",
+    "sertap.interval.max",
+    "sertap.same_read",
+    "sertap.error.character",
+    "sertap.error.break",
+    "sertap.error.lost",
+    "sertap.error.unlocated",
+    "sis.start",
+    "sis.checksum.status",
+    "sis.control.reaction",
+    "sis.control.error",
+    "sis.control.status",
+    "sis.service",
+    "sis.talker",
+    "sis.listener",
+    "sis.status",
+    "sis.command_in",
+    "sis.repeat_of",
+    "sis.command.unanswered",
+    "sis.silence_before",
+    "sis.reaction_time",
+    "sis.trs.limit",
+    "sis.trs.verdict",
+    "sis.tza.interval_max",
+    "sis.tza.position",
+    "sis.tza.limit",
+    "sis.tza.verdict",
+    "sis.tmas.cycle",
+    "sis.tmas.limit",
+    "sis.tmas.verdict",
+    "sis.bus.load",
+    "sis.phase",
+    "sis.parameter",
+    "sis.firmware",
+    "sis.type_key",
+    *SIGNS,
+    PACKED,
+    ACCESSES,
+)
+_TESTED = rows.tested(test for fault in FAULTS for test in fault.tests)
+FIELDS = tuple(dict.fromkeys((*_SHOWN, *_TESTED)))
+# Those that differ from packet to packet, in the order of FIELDS. All others together have few different texts in a
+# capture.
+_OWN = (
+    "frame.number",
+    "frame.time_epoch",
+    "frame.time_relative",
+    "sertap.uncertainty",
+    "sertap.interval",
+    "sertap.interval.max",
+    "sis.command_in",
+    "sis.silence_before",
+    "sis.reaction_time",
+    "sis.tza.interval_max",
+    "sis.tza.position",
+    "sis.tmas.cycle",
+    "sis.bus.load",
+    ACCESSES,
+)
+_ACCESSES = _OWN.index(ACCESSES)
+_REMEMBERED = 2048  # of the texts of all others; each takes some 5 kB
+_BEGINNING = {Event.CAPTURE_STARTED, Event.LIMITS_TOLD}
+_GOOD = {"1", "Good"}
+_TRUE = {"1", "True"}
+LOST = int(Flag.LOST_BEFORE)  # in the errors of a packet
+_LONGEST_S = INTERVAL_MAX / 1e9  # a record has no longer interval
+_LOAD_S = 1.0  # over which the dissector measures the load of the bus; at first over less, 100 % to begin with
+_SAID = {"error_reaction", "system_error"}  # faults that a telegram tells
+_CONTROL_ERROR = 6  # status bits of the edition ECODRIVE03: error
+_LINE_ERRORS = (
+    ("sertap.error.character", int(Flag.CHARACTER_ERROR)),
+    ("sertap.error.break", int(Flag.BREAK)),
+    ("sertap.error.unlocated", int(Flag.UNLOCATED_ERROR)),
+    ("sertap.error.lost", LOST),
+)
+
+
+class Judged(NamedTuple):
+    """A time with its limit and verdict, in s; None without a value."""
+
+    time_s: float  # 0: not measured, because all came in one read or the clock was set back
+    limit_s: float | None
+    verdict: int | None  # one of the three below
+
+    @property
+    def measured_s(self) -> list[float]:
+        """Return the time if it was measured."""
+        return [self.time_s] if self.time_s else []
+
+
+OK, EXCEEDED, UNRESOLVED = 0, 1, 2
+DOUBTFUL = EXCEEDED, UNRESOLVED
+
+
+@dataclass(slots=True)
+class Telegram:
+    """A SIS telegram; None and False without a value."""
+
+    good: bool
+    service: int | None
+    talker: int | None
+    listener: int | None
+    is_reaction: bool
+    status: int | None
+    is_refusal: bool  # a reaction with an error: in the status byte, or in the telegram control (ECODRIVE03)
+    has_system_error: bool  # the sender says that it has an error (fig. 2-9)
+    is_repeat: bool
+    unanswered: bool
+    phase: str  # as it is printed
+    is_doubtful: bool  # one of its times is beyond its limit, or may be
+    command_in: int | None  # packet number
+    load_percent: float | None
+    silence: Judged | None  # of the line, before it; there is no limit
+    reaction: Judged | None  # TrS
+    pause: Judged | None  # TzA; the longest inside the telegram
+    cycle: Judged | None  # Tmas
+    pause_position: int | None  # of the character after it, from 1
+    columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
+    faults: Sequence[Fault] = ()  # its own; where it is alone in its packet, those of the packet
+    signs: Sequence[str] = ()  # kinds of episodes that an expert item alone tells
+
+
+@dataclass(slots=True)
+class Packet:
+    """A packet: a record of the serial tap, or any other carrier of telegrams. Times in s."""
+
+    interface: str
+    type: int | None  # FRAME, OTHER, EVENT; None: not a record of the tap
+    line: int | None
+    baud: int | None
+    format: str
+    framing: int | None  # of a frame; 0: SIS
+    event: int | None
+    text: str
+    same_read: int  # characters from the same read as the one before
+    errors: int  # Flags, ORed
+    faults: Sequence[Fault]  # of each telegram, and of the record
+    number: int
+    epoch_s: float
+    time_s: float  # since the first packet
+    uncertainty_s: float | None
+    intervals_s: list[float]  # from the second character on
+    since_s: float | None = None  # from the character before it on its line to its first; None: unknown
+    telegrams: list[Telegram] = field(default_factory=list)
+    accesses: list[Access] = field(default_factory=list)  # to parameters
+    columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
+    alike: object = field(default_factory=object, repr=False, compare=False)  # the same: what is not its own is equal
+    length_s: float = field(init=False)
+    is_before: bool = False  # the time from which on the capture is told
+    is_again: bool = False  # an event at the beginning of a file that continues another, which began with it, too
+
+    def __post_init__(self) -> None:
+        """Add up its intervals once."""
+        self.length_s = sum(self.intervals_s)
+
+    @property
+    def is_kept_apart(self) -> bool:
+        """Tell whether a file of the recorder begins here: what came just before it is not in the capture."""
+        return self.type == EVENT and self.event == Event.CAPTURE_STARTED and KEPT in self.text
+
+    @property
+    def end_s(self) -> float:
+        """Return the time of its last character."""
+        return self.time_s + self.length_s
+
+    @property
+    def ended_s(self) -> float:
+        """Return the time of its last character, since 1970."""
+        return self.epoch_s + self.length_s
+
+
+@dataclass
+class _Part:
+    """A capture among those that are read as one."""
+
+    before: int  # packets of those before it
+    later_s: float = 0.0  # its seconds begin so much later than those of all; below 0: earlier
+    kept: Kept = field(default_factory=Kept)
+
+    def place(self, packet: Packet) -> None:
+        """Count number and seconds of a packet as those of all captures. Drop a load that is not of a whole second."""
+        if packet.time_s < _LOAD_S:
+            for telegram in packet.telegrams:
+                telegram.load_percent = None
+        packet.time_s += self.later_s
+        if self.before:
+            packet.number += self.before
+            for telegram in packet.telegrams:
+                telegram.command_in = telegram.command_in and telegram.command_in + self.before
+
+
+class Dissection:
+    """Captures as the installed dissector sees them, in two passes, so that later packets can explain earlier ones.
+
+    Several are read as one, but each by a tshark of its own: the dissector knows nothing of those before. Use it in a
+    `with`.
+    """
+
+    def __init__(  # noqa: PLR0913 - each comes from another part
+        self,
+        tshark: Tshark,
+        captures: Iterable[Portion],
+        more: Sequence[str] = (),
+        *,
+        preferences: Mapping[str, object] = MappingProxyType({}),
+        keeps: bool = True,
+        since_s: float = -math.inf,
+    ) -> None:
+        """Read these fields, too, with preferences of Wireshark.
+
+        Nothing is read yet; what is not kept cannot be read again(), nor what came before `since_s`. From there on the
+        seconds are counted.
+        """
+        self._preferences = [word for name, value in preferences.items() for word in ("-o", f"{name}:{value}")]
+        self._tshark = tshark
+        self._captures = captures
+        self._fields = (*FIELDS, *more)
+        self._own = {*_OWN, *more}
+        self._keeps = keeps
+        self._since_s = since_s
+        self._zero_s: float | None = None  # where the seconds begin, since 1970; None: not yet reached
+        self._known: Collection[str] = self._fields
+        self._rows = _Rows((), ())
+        self._parts: list[_Part] = []
+        self.warning = ""  # what tshark said at the end of captures that are cut off
+
+    def __enter__(self) -> Dissection:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        for part in self._parts:
+            part.kept.__exit__(*error)
+
+    @property
+    def missing(self) -> list[str]:
+        """Return the fields that the installed dissector lacks; valid after the first packets."""
+        return [name for name in self._fields if name not in self._known]
+
+    def packets(self) -> Iterator[Packet]:
+        """Yield all packets, once. May raise NotACapture, TsharkError and Incomplete."""
+        return _of_traffic(self._packets())
+
+    def again(self, spans: Collection[Span]) -> Iterator[Packet]:
+        """Yield again the packets that begin in these spans."""
+        for part in self._parts:
+            for row in part.kept.rows(spans):
+                packet = self._rows.packet(row)
+                part.place(packet)
+                if any(span.start_s <= packet.time_s <= span.end_s for span in spans):
+                    yield packet
+
+    def _packets(self) -> Iterator[Packet]:
+        number = 0
+        for portion in self._captures:
+            self._parts.append(_Part(number - portion.told))
+            for packet in self._of_part(portion.path, self._parts[-1]):
+                number = packet.number
+                yield packet
+
+    def _of_part(self, capture: Path, part: _Part) -> Iterator[Packet]:
+        came = False
+        try:
+            for line in self._lines(capture):
+                packet = self._rows.packet(line)
+                if self._zero_s is None and packet.epoch_s >= self._since_s:
+                    self._zero_s, part.later_s = packet.epoch_s, -packet.time_s
+                elif self._zero_s is not None and not came:
+                    part.later_s = packet.epoch_s - packet.time_s - self._zero_s
+                came = True
+                part.place(packet)
+                packet.is_before = self._zero_s is None
+                if self._keeps and not packet.is_before:
+                    part.kept.put(packet.time_s, line)
+                yield packet
+        except TsharkError as error:
+            self.warning = "; ".join(filter(None, [self.warning, damage(capture, error, came)]))
+
+    def _lines(self, capture: Path) -> Iterator[str]:
+        """Return the rows of all packets of a capture, and prepare for their columns."""
+        arguments = ["-r", str(capture), "-2", *self._preferences]
+        known, lines = told(self._tshark, arguments, sorted(self._fields, key=lambda name: name not in self._own))
+        if NECESSARY not in known:
+            raise TsharkError(NO_DISSECTOR)
+        if known != self._known:  # else it knows rows already
+            self._known, self._rows = known, _Rows(known, self._own)
+        return lines
+
+
+def _of_traffic(packets: Iterable[Packet]) -> Iterator[Packet]:
+    """Leave out what a file begins with because it continues another: what was told before, and known descriptions."""
+    begun: set[tuple[str, int | None, str]] = set()
+    beginning: list[Packet] = []
+    for packet in packets:
+        if packet.type == EVENT and packet.event in _BEGINNING:
+            beginning.append(packet)
+            continue
+        is_again = packet.type == EVENT and packet.event == Event.TOLD_BEFORE
+        if beginning:
+            yield from _described(beginning, begun, is_again=is_again)
+            beginning = []
+        if not is_again:
+            yield packet
+    yield from _described(beginning, begun, is_again=False)
+
+
+def _described(beginning: list[Packet], begun: set[tuple[str, int | None, str]], *, is_again: bool) -> Iterator[Packet]:
+    for packet in beginning:
+        description = packet.interface, packet.event, packet.text
+        packet.is_again = is_again
+        if not is_again or description not in begun:
+            yield packet
+        begun.add(description)
+
+
+class _Columns(Mapping[str, str]):
+    """The columns of a row. Most are never looked at."""
+
+    __slots__ = ("_others", "_places", "_texts")
+
+    def __init__(self, places: Mapping[str, int], texts: Sequence[str], others: Mapping[str, str]) -> None:
+        """Take the texts of its own columns, with their places, and all others."""
+        self._places, self._texts, self._others = places, texts, others
+
+    def __getitem__(self, name: str) -> str:
+        place = self._places.get(name)
+        return self._others[name] if place is None else self._texts[place]
+
+    def get(self, name: str, default: Any = None) -> Any:  # several times as quick as that of Mapping
+        place = self._places.get(name)
+        return self._others.get(name, default) if place is None else self._texts[place]
+
+    def __iter__(self) -> Iterator[str]:
+        return itertools.chain(self._places, self._others)
+
+    def __len__(self) -> int:
+        return len(self._places) + len(self._others)
+
+
+class _AlikeTelegram(NamedTuple):
+    """What a row says of a telegram besides what is its own."""
+
+    make: Callable[..., Telegram]  # of what is its own
+    faults: Sequence[Fault]
+    trs: tuple[float | None, int | None]  # limit and verdict
+    tza: tuple[float | None, int | None]
+    tmas: tuple[float | None, int | None]
+
+    @classmethod
+    def of(cls, columns: Mapping[str, str]) -> _AlikeTelegram:
+        """Work it out."""
+        get = columns.get
+        status = _integer(get("sis.status"))
+        limits = [
+            (_number(get(f"sis.{name}.limit")), _integer(get(f"sis.{name}.verdict"))) for name in ("trs", "tza", "tmas")
+        ]
+        make = partial(
+            Telegram,
+            get("sis.checksum.status") in _GOOD,
+            _integer(get("sis.service")),
+            _integer(get("sis.talker")),
+            _integer(get("sis.listener")),
+            get("sis.control.reaction") in _TRUE,
+            status,
+            bool(status) or _integer(get("sis.control.status")) == _CONTROL_ERROR,
+            get("sis.control.error") in _TRUE,
+            bool(get("sis.repeat_of")),
+            bool(get("sis.command.unanswered")),
+            first(get("sis.phase", "")),
+            any(verdict in DOUBTFUL for _, verdict in limits),
+            signs=tuple(dict.fromkeys(kind for field, kind in SIGNS.items() if get(field))),
+        )
+        return cls(make, _faults(columns), *limits)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Alike:
+    """What a row says besides what is its own, worked out once for all rows that say the same."""
+
+    columns: Mapping[str, str]
+    make: Callable[..., Packet]  # of what is its own
+    telegrams: Sequence[_AlikeTelegram]
+    unknown: int  # intervals
+
+    @classmethod
+    def of(cls, columns: Mapping[str, str]) -> _Alike:
+        """Work it out."""
+        parts = _parts(columns)
+        found = {fault: 1 for fault in _faults(columns)}
+        if len(parts) > 1:
+            counts = Counter(fault for part in (beside(columns), *parts) for fault in _faults(part))
+            found = {fault: max(counts[fault], 1) for fault in found}
+        faults = tuple(fault for fault, count in found.items() for _ in range(count))
+        unknown = _how_often(columns.get("sertap.interval.unknown"))
+        return cls(columns, _making(columns, faults), [_AlikeTelegram.of(part) for part in parts], unknown)
+
+
+class _Rows:
+    """Makes packets of the rows that tshark prints. Each row ends with the columns that are not its own."""
+
+    def __init__(self, names: Sequence[str], own: Collection[str]) -> None:
+        """Take rows of these columns, of which these are own."""
+        count = sum(name in own for name in names)
+        self._others = list(names[count:])
+        self._count = count
+        self._unknown = [place for place, name in enumerate(_OWN) if name not in names]
+        known = _OWN + tuple(name for name in names[:count] if name not in _OWN)
+        self._places = {name: place for place, name in enumerate(known)}
+        self._alike = lru_cache(_REMEMBERED)(self._work_out)
+
+    def packet(self, row: str) -> Packet:
+        """Return the packet of a row."""
+        texts = row.split("\t", self._count)
+        others = texts.pop()
+        for place in self._unknown:
+            texts.insert(place, "")
+        alike = self._alike(others)
+        return _packet(_Columns(self._places, texts, alike.columns), texts, alike)
+
+    def _work_out(self, text: str) -> _Alike:
+        return _Alike.of(dict(zip(self._others, text.split("\t"), strict=False)))
+
+
+def packet_of(columns: Mapping[str, str]) -> Packet:
+    """Return the packet of a row."""
+    return _packet(columns, _own(columns), _Alike.of(columns))
+
+
+def _own(columns: Mapping[str, str]) -> list[str]:
+    return [columns.get(name, "") for name in _OWN]
+
+
+def _packet(columns: Mapping[str, str], own: list[str], alike: _Alike) -> Packet:
+    """Return the packet of a row: its own texts, and what is known of such rows."""
+    number, epoch, relative, uncertainty, text = own[:5]
+    intervals_s = list(map(float, text.split(JOINT))) if text else []
+    since_s = intervals_s.pop(0) if intervals_s and not alike.unknown else None
+    if since_s == _LONGEST_S:
+        since_s = None  # it may be longer, and began before this capture
+    if alike.unknown > 1:
+        intervals_s = []  # nobody knows which ones they are
+    return alike.make(
+        int(number),
+        float(epoch or 0),
+        float(relative or 0),
+        _known_number(uncertainty),
+        intervals_s,
+        since_s,
+        _telegrams(columns, own, alike),
+        accesses(columns) if own[_ACCESSES] else [],
+        columns,
+        alike,
+    )
+
+
+def _parts(columns: Mapping[str, str]) -> Sequence[Mapping[str, str]]:
+    """Return the columns of each telegram of a packet. Most have one, and no others."""
+    starts = columns.get(NECESSARY)
+    if not starts:
+        return []
+    return apart(columns, starts.count(JOINT) + 1) if JOINT in starts else [columns]
+
+
+def _faults(columns: Mapping[str, str]) -> Sequence[Fault]:
+    """Return the faults of a telegram. What a damaged one says may be damaged, too."""
+    found = tuple(fault for fault in FAULTS if rows.passes(fault.tests, columns))
+    is_damaged = any(fault.name == "damaged" for fault in found)
+    return tuple(fault for fault in found if fault.name not in _SAID) if is_damaged else found
+
+
+def _making(columns: Mapping[str, str], faults: Sequence[Fault]) -> Callable[..., Packet]:
+    """Return what makes a packet of what is its own."""
+    get = columns.get
+    return partial(
+        Packet,
+        get("frame.interface_name", ""),
+        _integer(get("sertap.type")),
+        _integer(get("sertap.line")),
+        _integer(get("sertap.baud")),
+        get("sertap.format", ""),
+        _integer(get("sertap.framing")),
+        _integer(get("sertap.event")),
+        get("sertap.text", ""),
+        _how_often(get("sertap.same_read")),
+        sum(flag for name, flag in _LINE_ERRORS if _how_often(get(name))),
+        faults,
+    )
+
+
+def _telegrams(columns: Mapping[str, str], own: list[str], alike: _Alike) -> list[Telegram]:
+    """Return the telegrams of a packet: TCP may carry several."""
+    known = alike.telegrams
+    if len(known) == 1:
+        return [_telegram(columns, own, known[0])]
+    return [_telegram(part, _own(part), one) for part, one in zip(_parts(columns), known, strict=True)] if known else []
+
+
+def _telegram(columns: Mapping[str, str], own: list[str], alike: _AlikeTelegram) -> Telegram:
+    longest, command_in, silence, reaction, longest_judged, position, cycle, load = own[5:_ACCESSES]
+    # A dissector without a verdict on TzA still has the longest interval of a record.
+    pause = longest_judged or longest
+    # Most of these are empty: to ask before each call takes a third of the time.
+    return alike.make(
+        _integer(command_in) if command_in else None,
+        _float(load) if load else None,
+        Judged(_float(silence), None, None) if silence else None,
+        _judged(reaction, *alike.trs) if reaction or alike.trs[1] is not None else None,
+        _judged(pause, *alike.tza) if pause or alike.tza[1] is not None else None,
+        _judged(cycle, *alike.tmas) if cycle or alike.tmas[1] is not None else None,
+        _known_integer(position),
+        columns,
+        alike.faults,
+    )
+
+
+def _judged(time: str, limit_s: float | None, verdict: int | None) -> Judged:
+    return Judged(_float(time) if time else 0.0, limit_s, verdict)
+
+
+def _integer(text: str | None) -> int | None:
+    """Return the first of several values: a list of services has its own status before those of its services."""
+    return int(first(text), 0) if text else None
+
+
+def _number(text: str | None) -> float | None:
+    return _float(text) if text else None
+
+
+# For columns with few different texts.
+_known_integer = lru_cache(1024)(_integer)
+_known_number = lru_cache(1024)(_number)
+
+
+def _float(text: str) -> float:
+    """Return the first of several values. Nearly always there is only one."""
+    try:
+        return float(text)
+    except ValueError:
+        return float(first(text))
+
+
+def _how_often(text: str | None) -> int:
+    """Count the characters with a flag."""
+    return sum(value in _TRUE for value in text.split(JOINT)) if text else 0

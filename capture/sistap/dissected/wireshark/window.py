@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Starts Wireshark, wherever it is: for demo.cmd of the bundle.
+
+python3 -m sistap.dissected.wireshark.window ARGUMENTS
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Sequence
+
+from sistap.dissected.wireshark.tshark import TsharkError, environment, found
+from sistap.tap.terminal.console import Console
+from sistap.tap.terminal.exits import DONE, FAILED
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Start it; return the exit code."""
+    try:
+        program = found("wireshark")
+        subprocess.Popen([program, *arguments], env=environment(program))
+    except (TsharkError, OSError) as error:
+        Console().say(str(error))
+        return FAILED
+    return DONE
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

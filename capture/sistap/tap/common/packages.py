@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which Python this is, and how it gets a package that is missing."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import sysconfig
+from pathlib import Path
+from typing import Any
+
+from sistap.tap.terminal.advice import shell_word
+from sistap.tap.terminal.stop import held
+
+# Debian's own Python takes no others from pip.
+_OF_DEBIAN = {"pyserial": "python3-serial", "paho-mqtt": "python3-paho-mqtt"}
+
+_ROOT = Path(__file__).resolve().parents[3]  # of the package sistap
+
+
+class NotInstalled(Exception):
+    """A package is missing that one option needs; the text is the line to show."""
+
+
+def needed(module: str, package: str = "") -> Any:
+    """Import a module that one option needs. NotInstalled says how to get its package."""
+    try:
+        with held():
+            return importlib.import_module(module)
+    except ImportError:
+        raise NotInstalled(missing(package or module)) from None
+
+
+def missing(package: str) -> str:
+    """Say for which Python a package is missing, and how to get it there."""
+    return f"{package} is missing for {sys.executable}: {_how_to_get(package)}"
+
+
+def is_bundle() -> bool:
+    """Tell whether this is the bundle for Windows, with a Python of its own and the command `sistap`."""
+    return any(Path(sys.executable).parent.glob("python3*._pth"))
+
+
+def _how_to_get(package: str) -> str:
+    python = Path(sys.executable)
+    if is_bundle():
+        return f"this Python has no pip; the file sistap-...-windows-full.zip has {package}: unpack it, and use that"
+    if sys.platform == "win32":
+        return f"type {shell_word(str(python))} -m pip install {package}"
+    if sys.prefix != sys.base_prefix or not Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").exists():
+        return f"`{shell_word(str(python))} -m pip install {package}`"
+    if sys.platform == "linux" and package in _OF_DEBIAN:
+        return f"`sudo apt-get install {_OF_DEBIAN[package]}`"
+    before = "`sudo apt-get install python3-venv`, " if sys.platform == "linux" else ""
+    return (
+        f"{before}`{python} -m venv --system-site-packages ~/sistap-python`, `~/sistap-python/bin/pip install "
+        f"{package}`; then type `PYTHONPATH={shell_word(str(_ROOT))} ~/sistap-python/bin/python3 -m sistap` in place "
+        "of `sistap`"
+    )

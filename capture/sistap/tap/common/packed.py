@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Files that are no captures yet: the command that makes one of a log or of another tool's file, or unpacks it.
+
+Recordings of logic analysers are zips, too.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from zipfile import BadZipFile, ZipFile
+
+from sistap.tap.terminal.advice import shell_word
+
+_PACKED = {
+    rb"\xfd7zXZ\x00": "xz -dk",
+    rb"\x1f\x8b": "gunzip -k",
+    rb"BZh[1-9]1A": "bunzip2 -k",
+    rb"PK\x03\x04": "unzip",
+    rb"7z\xbc\xaf": "7z x",
+}
+# The recordings of logic analysers among zips, by a file in them.
+_RECORDINGS = {
+    "metadata": "is a session of sigrok: {} makes a capture of it",
+    "header": "is a session of DSView: {} makes a capture of it",
+    "meta.json": "is a capture of Saleae Logic 2: export its raw data there, as CSV; `sistap import` reads that",
+}
+
+
+_BINARY = re.compile(rb"[^\t\n\f\r -~\x80-\xff]")  # no log has such bytes, and every capture begins with some
+_HEAD = 4096
+
+
+def is_text(path: Path) -> bool:
+    """Tell whether a file is a text. Wireshark takes short ones for other things. May raise OSError."""
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+    return bool(head) and not _BINARY.search(head)
+
+
+def no_capture(path: Path) -> str:
+    """Say what to do with a file that is no capture."""
+    return unpack(path) or (
+        f"{path} is not a capture that tshark can read. First make one: of a log with {making('annotate', path)}, of a "
+        f"logic analyser's file with {making('import', path)}"
+    )
+
+
+def making(command: str, path: Path) -> str:
+    """Return the command line by which `annotate` or `import` makes a capture of a file, beside it."""
+    words = shell_word(str(path)), shell_word(str(path.with_name(f"{path.stem}-sis.pcapng")))
+    return f"`sistap {command} {words[0]} -w {words[1]}`"
+
+
+def unpack(path: Path) -> str:
+    """Return what to do with a packed file; empty if it is not packed, or cannot be read."""
+    try:
+        if not path.is_file():  # opening a pipe would wait for a writer
+            return ""
+        with path.open("rb") as file:
+            head = file.read(6)
+    except OSError:
+        return ""
+    names = _names(path) if head.startswith(b"PK") else []
+    if recording := next((what for name, what in _RECORDINGS.items() if name in names), ""):
+        return f"{path} {recording.format(making('import', path))}"
+    if head.startswith(b"PK\x03\x04") and not names:
+        return f"{path} is a damaged zip: copy it again from where it was recorded"
+    command = next((command for magic, command in _PACKED.items() if re.match(magic, head)), "")
+    return f"{path} is packed: unpack it first, for example with `{command} {shell_word(str(path))}`" if command else ""
+
+
+def _names(path: Path) -> list[str]:
+    """Return what is in a zip."""
+    try:
+        with ZipFile(path) as archive:
+            return archive.namelist()
+    except (BadZipFile, OSError):
+        return []

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reads several ports as one, with all characters in order.
+
+If the system can wait for all of them at once, one thread reads them. Then a time stamp is as good as that of a single
+port, and a late reader knows it. Separate threads would delay each other without noticing.
+"""
+
+from __future__ import annotations
+
+import select
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from queue import Empty, SimpleQueue
+from typing import Protocol, runtime_checkable
+
+from sistap.tap.line.clock import monotonic_ns
+from sistap.tap.line.reader.contract import STEP_MS, PortLost, Reader
+from sistap.tap.line.settings import Read
+
+_MOST_BYTES = 16 << 20  # that threads have read and nobody has taken: half a minute with a read in each ms
+if sys.platform == "win32":  # it has no poll, and does not need it
+    _TO_READ = 0
+else:
+    _TO_READ = select.POLLIN
+
+
+class Source(Protocol):
+    """Where characters come from: a reader, or several as one."""
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost, once for each port."""
+
+
+class Polled(Protocol):
+    """What a caller can poll."""
+
+    def fileno(self) -> int:
+        """Return the descriptor to poll."""
+
+    def read_now(self, slept_ns: int) -> list[Read]:
+        """Return what is there. The process slept until it came; 0: it was there before. May raise PortLost."""
+
+    def nothing_until(self, time_ns: int, slept_ns: int) -> list[Read]:
+        """Note that nothing was unread at this instant of the monotonic clock, just after a sleep of that length or 0.
+
+        Return what was held back until then.
+        """
+
+    def held(self) -> list[Read]:
+        """Stop holding characters back: return them."""
+
+
+class Beside(Polled, Protocol):
+    """What is polled together with a port, and knows when the caller is about to sleep."""
+
+    def before_sleep(self, now_ns: int) -> None:
+        """Do what has to be done before a sleep."""
+
+
+@runtime_checkable
+class Pollable(Polled, Reader, Protocol):
+    """A reader that a caller can poll."""
+
+    @property
+    def beside(self) -> Beside | None:
+        """Return what is polled together with this reader, and before it."""
+
+
+@runtime_checkable
+class Several(Source, Protocol):
+    """Readers that are read as one; more can be added."""
+
+    def add(self, reader: Reader) -> None:
+        """Add a reader."""
+
+
+@contextmanager
+def together(readers: Sequence[Reader], *, may_change: bool = False) -> Iterator[Source]:
+    """Read several readers as one, each with its own line, until the block ends. They stay open.
+
+    `may_change`: the result is a Several, to which a reader can be added in place of a lost one.
+    """
+    pollable = [reader for reader in readers if isinstance(reader, Pollable)]
+    if len(readers) == 1 and not may_change:
+        yield readers[0]
+    elif sys.platform != "win32" and len(pollable) == len(readers):
+        yield PolledReaders(pollable)
+    else:
+        threaded = ThreadedReaders(readers)
+        try:
+            yield threaded
+        finally:
+            threaded.end()
+
+
+class PolledReaders:
+    """Readers polled by one thread."""
+
+    def __init__(self, readers: Sequence[Pollable]) -> None:
+        self._readers: dict[int, Polled] = {}
+        self._beside: set[Beside] = set()
+        self._poll = select.poll()
+        for reader in readers:
+            self.add(reader)
+        self._reads: deque[Read] = deque()
+        self._lost: deque[PortLost] = deque()
+
+    def add(self, reader: Reader) -> None:
+        """Add a reader, which must be Pollable."""
+        assert isinstance(reader, Pollable)
+        if reader.beside:
+            self._beside.add(reader.beside)
+        for polled in filter(None, (reader.beside, reader)):  # poll returns them in this order
+            self._readers[polled.fileno()] = polled
+            self._poll.register(polled.fileno(), _TO_READ)
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Return what arrived; None if nothing arrived, at most that long. May raise PortLost, once for each port."""
+        if not self._reads and not self._lost:
+            self._wait(timeout_s)
+        if not self._reads and not timeout_s:
+            self._reads.extend(read for reader in self._readers.values() for read in reader.held())
+        if self._reads:
+            return self._reads.popleft()
+        if self._lost:
+            raise self._lost.popleft()
+        return None
+
+    def _wait(self, timeout_s: float) -> None:
+        left_ms, step_ms = timeout_s * 1000, 0.0
+        while not self._look(step_ms):
+            if left_ms <= 0:
+                return
+            step_ms = min(STEP_MS, left_ms)
+            left_ms -= step_ms
+
+    def _look(self, step_ms: float, *, has_slept: bool = False) -> bool:
+        """Take what comes within the step; tell whether anything did. `has_slept`: the process has, just before."""
+        asked_ns = monotonic_ns()
+        for beside in self._beside if step_ms else ():
+            beside.before_sleep(asked_ns)
+        ready = [descriptor for descriptor, _ in self._poll.poll(step_ms)]
+        slept_ns = max(monotonic_ns() - asked_ns, 1) if step_ms else 0
+        for descriptor in ready:  # before anything else: it gets its time here
+            self._take(descriptor, slept_ns)
+        silent_ns = asked_ns if ready else asked_ns + int(step_ms * 1e6)  # poll looks once more when its time is up
+        for descriptor in self._readers.keys() - ready:
+            self._reads.extend(self._readers[descriptor].nothing_until(silent_ns, slept_ns or int(has_slept)))
+        if slept_ns and ready and len(self._readers) > 1:
+            self._look(0, has_slept=True)  # note until when the others were silent
+        return bool(self._reads or self._lost)
+
+    def _take(self, descriptor: int, slept_ns: int) -> None:
+        try:
+            self._reads.extend(self._readers[descriptor].read_now(slept_ns))
+        except PortLost as lost:
+            self._poll.unregister(descriptor)
+            del self._readers[descriptor]
+            self._lost.append(lost)
+
+
+class ThreadedReaders:
+    """Readers with a thread each: for ports whose times have no bound, or are those of a virtual bus."""
+
+    def __init__(self, readers: Sequence[Reader]) -> None:
+        self._queue: SimpleQueue[Read | PortLost] = SimpleQueue()
+        self._bytes = 0  # in the queue
+        self._lock = threading.Lock()
+        self._ended = False
+        self._threads: list[threading.Thread] = []
+        for reader in readers:
+            self.add(reader)
+
+    def add(self, reader: Reader) -> None:
+        """Add a reader."""
+        self._threads = [thread for thread in self._threads if thread.is_alive()]
+        self._threads.append(threading.Thread(target=self._listen, args=(reader,), daemon=True))
+        self._threads[-1].start()
+
+    def end(self) -> None:
+        """Stop reading: then the ports can be closed."""
+        self._ended = True
+        for thread in self._threads:
+            thread.join()
+
+    def read(self, timeout_s: float) -> Read | None:
+        """Return what arrived; None if nothing arrived in that time. May raise PortLost, once for each port."""
+        try:
+            item = self._queue.get(timeout=timeout_s) if timeout_s else self._queue.get_nowait()
+        except Empty:
+            return None
+        if isinstance(item, PortLost):
+            raise item
+        self._count(item, -1)
+        return item
+
+    def _count(self, read: Read, sign: int) -> None:
+        with self._lock:
+            self._bytes += sign * (500 + 2 * len(read.data))  # roughly its memory
+
+    def _listen(self, reader: Reader) -> None:
+        while not self._ended:
+            while self._bytes > _MOST_BYTES and not self._ended:  # a port that floods must not fill the memory
+                time.sleep(STEP_MS / 1000)
+            try:
+                read = reader.read(STEP_MS / 1000)
+            except PortLost as lost:
+                self._queue.put(PortLost(str(lost), reader.line))
+                return
+            if read:
+                self._count(read, 1)
+                self._queue.put(read)

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What was told before a file begins: facts of each bus (sis/told.py), as events at the beginning of the file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from sistap.tap.line.settings import Flag, LineSettings
+from sistap.tap.records.record import Event, Framing, Record, Type, event
+from sistap.tap.sis.told import Told
+
+MOST_BYTES = 1_000_000  # of all facts; above this, the oldest are left out
+_TOGETHER = 40_000  # bytes of an event
+_SHORTEST_FRAME = 8  # fewer other characters are usual when a line changes direction
+_PATIENCE_NS = 1_000_000_000  # a reaction that comes later is not waited for
+_NOTHING_LOST = bytes(flag for flag in range(256) if not flag & Flag.LOST_BEFORE)
+_NOTHING = "nothing that explains later telegrams"
+
+
+class Heard(NamedTuple):
+    """What a record says of its bus."""
+
+    line: int
+    settings: LineSettings
+    end_ns: int
+    telegram: bytes  # a good one; empty: none
+    is_disturbed: bool  # a telegram may have been lost
+    limits: str = ""  # told by the user
+
+
+def heard(record: Record) -> Heard:
+    """Return what a record says of its bus."""
+    time_ns, kind, line, settings, data, intervals, flags, _, framing, code, is_bad = record
+    telegram = data if kind == Type.FRAME and framing == Framing.SIS and not is_bad else b""
+    if kind == Type.FRAME:
+        is_disturbed = is_bad
+    elif kind == Type.OTHER:
+        is_disturbed = len(data) >= _SHORTEST_FRAME
+    else:
+        is_disturbed = code in (Event.CHARACTERS_LOST, Event.ADAPTER_LOST)
+    if flags.translate(None, _NOTHING_LOST):
+        is_disturbed = True
+    limits = data.decode(errors="replace") if code == Event.LIMITS_TOLD else ""
+    return Heard(line, settings, time_ns + sum(intervals[1:]), telegram, is_disturbed, limits)
+
+
+class Before:
+    """The facts of all buses of a capture."""
+
+    def __init__(self) -> None:
+        self._buses: dict[int, Told] = {}
+        self._places: dict[int, tuple[int, LineSettings]] = {}  # of each bus: its first line
+        self._limits: dict[tuple[int, str], LineSettings] = {}  # of lines that appeared during the capture
+        self._end_ns = 0  # of the last record
+
+    def take(self, heard: Heard) -> None:
+        """Take the next record. The two directions of a full-duplex tap are one bus."""
+        line = heard.line
+        bus = 1 if line == 2 else line
+        told = self._buses.get(bus)
+        if told is None:
+            told = self._buses[bus] = Told()
+        if bus not in self._places or self._places[bus][0] >= line:
+            self._places[bus] = line, heard.settings
+        self._end_ns = heard.end_ns
+        if heard.limits:
+            self._limits[line, heard.limits] = heard.settings
+        if heard.is_disturbed:
+            told.disturb()
+        if heard.telegram:
+            told.take(heard.telegram, heard.end_ns)
+
+    def is_under_way(self, now_ns: int) -> bool:
+        """Tell whether a command waits for its reaction, or more pieces follow; never after a long silence."""
+        is_recent = 0 <= now_ns - self._end_ns < _PATIENCE_NS
+        return is_recent and any(told.is_under_way for told in self._buses.values())
+
+    def events(self, time_ns: int, most: int = MOST_BYTES) -> Iterator[Record]:
+        """Yield the events for a file that begins at this time, with up to so many bytes."""
+        for (line, limits), settings in self._limits.items():
+            yield event(time_ns, line, settings, Event.LIMITS_TOLD, limits)
+        for bus, told in self._buses.items():
+            line, settings = self._places[bus]
+            for text in _texts(told.lines(time_ns, min(most, MOST_BYTES) // len(self._buses)) or [_NOTHING]):
+                yield event(time_ns, line, settings, Event.TOLD_BEFORE, text)
+
+
+def _texts(lines: list[str]) -> Iterator[str]:
+    """Join lines into texts that fit into an event each."""
+    together: list[str] = []
+    size = 0
+    for line in lines:
+        size += len(line.encode()) + 1
+        if together and size > _TOGETHER:
+            yield "\n".join(together)
+            together, size = [], len(line.encode()) + 1
+        together.append(line)
+    yield "\n".join(together)

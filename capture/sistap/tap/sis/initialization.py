@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Service 0x03, which sets rates and limits of a bus (IF02 chapter 6): its subservices, the rate, what was agreed.
+
+Several subservices may be in one telegram (chapter 6.1). The document allows them, "because their lengths are fixed",
+and does not print how. Two layouts are possible: the address once before all of them, or before each. The layout that
+consumes all bytes is right.
+
+A rate is set (0x07) for one station after the other or for all. It becomes valid when it is accepted (0xFF): for all at
+once by broadcast; for one station with its reaction, which already comes at the new rate. A timed test (0x08) begins
+after the reaction and ends by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from enum import Enum
+from typing import NamedTuple
+
+from sistap.tap.sis import telegram
+from sistap.tap.sis.codes import LAYOUTS
+from sistap.tap.sis.rates import rate_of
+from sistap.tap.sis.telegram import BROADCAST, LEVEL_BROADCAST, Header, least
+
+# Bytes of data in a command; the length for a multicast group (0x06) is not documented.
+SIZES: Mapping[int, int] = {subservice: least(layout.command) for subservice, layout in LAYOUTS[0x03].items()}
+
+
+class Setting(NamedTuple):
+    """A subservice of a command."""
+
+    header: bytes  # what a reaction repeats: the address, if it precedes this subservice, and the subservice
+    data: bytes
+
+    @property
+    def subservice(self) -> int:
+        """Return its number."""
+        return self.header[-1]
+
+
+class Misfit(Enum):
+    """Why a layout does not fit."""
+
+    ADDRESS = "another address than the first"
+    SUBSERVICE = "a subservice of unknown length"
+    DATA = "data are missing"
+
+
+class Layout(NamedTuple):
+    """The result of parsing a body in a layout."""
+
+    settings: list[Setting]
+    end: int  # where it ended: after the last byte, or at what does not fit
+    misfit: Misfit | None  # None: it consumed all bytes
+
+
+def layouts(body: bytes) -> list[Layout]:
+    """Parse the body of a command in both layouts: the address once, and before each subservice."""
+    return [_read(body, each) for each in (False, True)]
+
+
+def settings(body: bytes) -> list[Setting] | None:
+    """Return the subservices of a command; None if no layout fits, or if both fit and differ."""
+    fitting = [layout.settings for layout in layouts(body) if layout.misfit is None]
+    return fitting[0] if fitting and fitting[0] == fitting[-1] else None
+
+
+def certain(body: bytes) -> list[Setting]:
+    """Return what a command sets; if no layout of several subservices fits, only the first is certain."""
+    if (said := settings(body)) is not None:
+        return said
+    return layouts(body)[0].settings[:1]
+
+
+def _read(body: bytes, addressed_each: bool) -> Layout:
+    found: list[Setting] = []
+    place = 0
+    while place < len(body):
+        addressed = addressed_each or not found
+        if addressed and body[place] != body[0]:
+            return Layout(found, place, Misfit.ADDRESS)
+        at = place + addressed
+        if at == len(body):
+            return Layout(found, at, Misfit.DATA)
+        size = SIZES.get(body[at])
+        if size is None:
+            return Layout(found, at, Misfit.SUBSERVICE)
+        end = at + 1 + size
+        if end > len(body):
+            return Layout(found, at, Misfit.DATA)
+        found.append(Setting(body[place : at + 1], body[at + 1 : end]))
+        place = end
+    return Layout(found, place, None)
+
+
+INITIALIZATION = 0x03
+SET_RATE, TEST_RATE, ACCEPT = 0x07, 0x08, 0xFF
+_GOOD = 0x00
+_MS = 1_000_000
+
+
+class Change(NamedTuple):
+    """The new rate of the bus, in Bd, and the reason."""
+
+    baud: int
+    why: str
+
+
+class Follow:
+    """Follows the rate that one bus was told, in its good telegrams. Times are those of the telegrams, in ns."""
+
+    def __init__(self, baud: int) -> None:
+        self._valid = baud  # without a test
+        self._set: dict[int, int] = {}  # rates not accepted yet, by the station that got them, or BROADCAST
+        self._command: Header | None = None  # a command of this service to one station, not answered yet
+        self._test_end_ns: int | None = None
+
+    def take(self, data: bytes, end_ns: int) -> Change | None:
+        """Take a good telegram, whose last character came at `end_ns`; return what it changes."""
+        header = telegram.parse(data)
+        command, self._command = self._command, None
+        if header.service != INITIALIZATION or header.subaddresses:  # another bus is behind a router
+            return None
+        if not header.reaction:
+            if header.receiver == LEVEL_BROADCAST:
+                header = header._replace(receiver=BROADCAST)
+            return self._take_command(header, end_ns)
+        answers = command and (header.sender, header.receiver) == (command.sender, command.receiver)
+        if command and answers and header.body[:1] == bytes([_GOOD]) and header.body[1:3] == command.body[:2]:
+            return self._obeyed(command, end_ns)
+        return None
+
+    def due(self, now_ns: int) -> Change | None:
+        """Return a change that is due by time."""
+        if self._test_end_ns is None or now_ns < self._test_end_ns:
+            return None
+        self._test_end_ns = None
+        return Change(self._valid, "the timed test is over")
+
+    @property
+    def due_ns(self) -> int | None:
+        """Return the time of the next change by time."""
+        return self._test_end_ns
+
+    def _take_command(self, header: Header, end_ns: int) -> Change | None:
+        said = certain(header.body)
+        # A station that accepts already answers at the new rate.
+        if header.receiver == BROADCAST or any(setting.subservice == ACCEPT for setting in said):
+            return self._obeyed(header, end_ns)
+        self._command = header
+        return None
+
+    def _obeyed(self, command: Header, end_ns: int) -> Change | None:
+        """Take what a station has confirmed, or all were told; of several changes the last one counts."""
+        changes = [self._do(setting, command, end_ns) for setting in certain(command.body)]
+        return next(filter(None, reversed(changes)), None)
+
+    def _do(self, setting: Setting, command: Header, end_ns: int) -> Change | None:
+        data = setting.data
+        if setting.subservice == SET_RATE:
+            self._set.pop(command.receiver, None)
+            if baud := rate_of(data[0]):
+                self._set[command.receiver] = baud
+        elif setting.subservice == TEST_RATE:
+            return self._tested(command, int.from_bytes(data[:2], "little"), rate_of(data[2]), end_ns)
+        elif setting.subservice == ACCEPT:
+            return self._accepted(command)
+        return None
+
+    def _accepted(self, command: Header) -> Change | None:
+        everyone = command.receiver == BROADCAST
+        told = [baud for whom, baud in self._set.items() if everyone or whom in (command.receiver, BROADCAST)]
+        if not told:
+            return None
+        if everyone:
+            self._set.clear()
+        else:
+            self._set.pop(command.receiver, None)
+        self._valid, self._test_end_ns = told[-1], None
+        return Change(self._valid, f"{command.sender} let {_whom(command)} accept {self._valid} Bd")
+
+    def _tested(self, command: Header, duration_ms: int, baud: int | None, end_ns: int) -> Change | None:
+        if baud is None or not duration_ms:
+            return None
+        self._test_end_ns = end_ns + duration_ms * _MS
+        return Change(baud, f"{command.sender} lets {_whom(command)} test {baud} Bd for {duration_ms} ms")
+
+
+def _whom(command: Header) -> str:
+    return "all" if command.receiver == BROADCAST else str(command.receiver)
+
+
+SET_LIMITS = {0x01: "TrS", 0x02: "TzA", 0x03: "Tmas"}  # subservices, chapter 6.1
+_BAUD = "baud rate"
+_MS = 1_000_000
+
+
+class _Told(NamedTuple):
+    """A value of a setting."""
+
+    value: int  # ms or Bd
+    order: int  # of all
+
+
+class _Station:
+    """The settings of a station, or of all, by kind."""
+
+    def __init__(self, valid: dict[str, _Told]) -> None:
+        self.told: dict[str, _Told] = {}
+        self.valid = dict(valid)
+
+
+class Agreed:
+    """The settings of a bus, as plugin/sis/bus.c has them. What was set becomes valid when it is accepted."""
+
+    def __init__(self) -> None:
+        self._stations: dict[int, _Station] = {}
+        self._tests: dict[int, tuple[int, int]] = {}  # timed tests of a rate, and their ends in ns
+        self._order = 0
+
+    def take(self, address: int, settings: Sequence[Setting], now_ns: int) -> None:
+        """Take what a station has confirmed, or what all were told."""
+        for subservice, data in ((setting.subservice, setting.data) for setting in settings):
+            self._order += 1
+            station = self._station(address)
+            if subservice in SET_LIMITS:
+                station.told[SET_LIMITS[subservice]] = _Told(int.from_bytes(data, "little"), self._order)
+            elif subservice == SET_RATE and (baud := rate_of(data[0])):
+                station.told[_BAUD] = _Told(baud, self._order)
+            elif subservice == TEST_RATE and (baud := rate_of(data[2])):
+                self._tests[address] = baud, now_ns + int.from_bytes(data[:2], "little") * _MS
+            elif subservice == ACCEPT:
+                self._accept(address)
+
+    def lines(self, now_ns: int) -> Iterator[str]:
+        """Yield a line for each, in the order in which they were told."""
+        every = self._stations.get(BROADCAST, _Station({}))
+        facts = []
+        for address, station in sorted(self._stations.items(), reverse=True):  # of equal ones, those for all first
+            for kind, told in station.valid.items():
+                facts.append((told.order, _setting(address, kind, told.value)))
+            for kind, told in station.told.items():
+                accepted = station.valid[kind].order if kind in station.valid else 0
+                if told.order > accepted and told.order >= every.told.get(kind, told).order:
+                    facts.append((told.order, f"{_setting(address, kind, told.value)} not accepted"))
+        yield from (text for _, text in sorted(facts, key=lambda fact: fact[0]))
+        for address, (baud, end_ns) in self._tests.items():
+            if end_ns >= now_ns:
+                yield f"{_setting(address, _BAUD, baud)} for {end_ns - now_ns} ns"
+
+    def _station(self, address: int) -> _Station:
+        """Return a station. Until it is told something, the values for all hold for it."""
+        if address not in self._stations:
+            every = self._stations.get(BROADCAST)
+            self._stations[address] = _Station(every.valid if every else {})
+        return self._stations[address]
+
+    def _accept(self, whom: int) -> None:
+        every = self._station(BROADCAST)
+        for address, station in self._stations.items():
+            if whom not in (BROADCAST, address):
+                continue
+            for kind in {*every.told, *station.told}:
+                told = max(
+                    (one.told[kind] for one in (every, station) if kind in one.told), key=lambda told: told.order
+                )
+                if kind not in station.valid or told.order > station.valid[kind].order:
+                    station.valid[kind] = told
+                    if kind == _BAUD:
+                        self._tests.pop(address, None)
+
+
+def _setting(address: int, kind: str, value: int) -> str:
+    who = "all" if address == BROADCAST else str(address)
+    return f"{who} {kind} {value} {'Bd' if kind == _BAUD else 'ms'}"

@@ -1,0 +1,336 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a bus was told or asked that explains later telegrams, as facts in lines of text.
+
+The dissector learns these while it reads: names, units, attributes and limits of parameters (chapter 8), types of
+devices (service 0x00, chapter 3), and the settings of the bus (service 0x03, chapter 6). A file that begins in the
+middle needs them. The rules are those of plugin/sis/exchange.c, sequence.c and bus.c; a test cuts captures into pieces
+and compares. Nothing is guessed: if telegrams are damaged or missing, a fact may be missing, too.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Generic, NamedTuple, TypeVar
+
+from sistap.tap.sis.initialization import INITIALIZATION, SIZES, Agreed, certain
+from sistap.tap.sis.telegram import (
+    BROADCAST,
+    CONTROL_NUMBER,
+    CONTROL_REACTION,
+    CONTROL_SUBADDRESSES,
+    FIRST_GROUP,
+    LEVEL_BROADCAST,
+    STATIC_LENGTH,
+    general,
+    has_control,
+    shown,
+)
+
+MOST_PARAMETERS, MOST_DEVICES, MOST_OPEN, MOST_PIECES = 4000, 256, 1000, 256
+NAME, ATTRIBUTE, UNIT, MINIMUM, MAXIMUM = range(2, 7)  # elements of a parameter, fig. 8-1
+
+_IDENTIFICATION, _LIST, _TOKEN = 0x00, 0x04, 0x0F
+_READ = 0x10
+_EXPLAINING = (_READ, INITIALIZATION, _LIST, _IDENTIFICATION)
+_IDENTITIES = {0x03: "type key", 0x02: "firmware"}  # by subservice of 0x00
+_VALUE = b"\x3c"  # control byte: operating data, the last piece
+_LAST = 0x04  # bit of the parameter control: no more pieces follow
+_RECENT = 100  # telegrams: what has not gone on for so long is given up
+_GOOD = 0x00
+_LONGEST = 1000  # characters of a value: a longer one is left out, because half of it would be wrong
+_ENOUGH = 2 * _LONGEST  # bytes of pieces that are kept: more is too long anyway
+_BROKEN = bytes(_ENOUGH)  # in place of pieces, if one may be missing: too long for a value
+
+_ELEMENTS = {ATTRIBUTE: "attribute", NAME: "name", UNIT: "unit", MINIMUM: "minimum", MAXIMUM: "maximum"}
+_LETTERS = {0: "S", 1: "A", 2: "C"}  # of a type byte, fig. 8-3
+_BIT_15 = 0x8000  # tells P from S
+
+_Key = TypeVar("_Key")
+_Value = TypeVar("_Value")
+
+
+class _Newest(OrderedDict[_Key, _Value], Generic[_Key, _Value]):
+    """The entries that were put last, up to a number."""
+
+    def __init__(self, most: int) -> None:
+        super().__init__()
+        self._most = most
+
+    def put(self, key: _Key, value: _Value) -> None:
+        """Put an entry at the end. Drop the oldest if there are too many."""
+        self.pop(key, None)
+        self[key] = value
+        if len(self) > self._most:
+            self.popitem(last=False)
+
+
+@dataclass(slots=True, eq=False)
+class _Exchange:
+    """A command, and what became of it."""
+
+    command: bytes
+    body_at: int
+    sent_at: int
+    is_answered: bool = False
+    over_at: int = 0  # when it was answered or its master went on; 0: neither yet
+
+    @property
+    def needs_reaction(self) -> bool:
+        """Tell whether it must be answered."""
+        return self.path[-1] < FIRST_GROUP and self.command[5] != _TOKEN
+
+    @property
+    def path(self) -> bytes:
+        """Return the stations from the receiver to the one addressed."""
+        return self.command[7 : STATIC_LENGTH + (self.command[4] & CONTROL_SUBADDRESSES)]
+
+    def fits(self, reaction: bytes) -> bool:
+        """Tell whether a reaction with the same stations may belong to it."""
+        command, at = self.command, self.body_at
+        layout = CONTROL_SUBADDRESSES | CONTROL_NUMBER
+        if command[5] != reaction[5] or (command[4] ^ reaction[4]) & layout or command[8:at] != reaction[8:at]:
+            return False
+        asked, said = command[at : at + 2], reaction[at + 1 : at + 3]
+        if len(asked) < 2 or len(said) < 2:
+            return True
+        if has_control(command[5]):
+            return not (asked[0] ^ said[0]) & ~_LAST and asked[1] == said[1]
+        return command[5] != INITIALIZATION or asked[1] == said[1] or said[1] not in SIZES
+
+
+class Place(NamedTuple):
+    """A parameter of a device behind a station."""
+
+    path: bytes  # of stations
+    device: int
+    ident: bytes  # type byte and number word
+
+    @property
+    def is_defined(self) -> bool:
+        """Tell whether the documents know such an ident (fig. 8-3)."""
+        return self.ident[0] == 0 or (self.ident[0] in _LETTERS and not self.ident[2] & 0x80)
+
+    @property
+    def parameter(self) -> str:
+        """Return its name, as S-0-0036. It must be defined."""
+        number = int.from_bytes(self.ident[1:], "little")
+        letter = "P" if number & _BIT_15 else _LETTERS[self.ident[0]]
+        return f"{letter}-{number >> 12 & 7}-{number & 0xFFF:04}"
+
+    def __str__(self) -> str:
+        return f"{'/'.join(map(str, self.path))} device {self.device} {self.parameter}"
+
+
+class Told:
+    """The facts of one bus."""
+
+    def __init__(self) -> None:
+        self._settings = Agreed()
+        self._parameters: _Newest[Place, dict[int, str]] = _Newest(MOST_PARAMETERS)
+        self._devices: _Newest[tuple[bytes, int], dict[str, str]] = _Newest(MOST_DEVICES)  # by stations and device
+        self._exchanges: _Newest[bytes, _Exchange] = _Newest(MOST_OPEN)  # the last of each pair of stations
+        self._of_master: dict[int, _Exchange] = {}  # the last of each
+        self._pieces: _Newest[tuple[Place, int], bytes] = _Newest(MOST_PIECES)  # of elements that are not complete
+        self._transfers: _Newest[tuple[bytes, bytes], int] = _Newest(MOST_PIECES)  # last pieces, by stations and device
+        self._number = 0  # of what came
+        self._damaged_at = 0
+
+    def disturb(self) -> None:
+        """Note that a telegram may have been lost."""
+        self._number += 1
+        self._damaged_at = self._number
+        for key in self._pieces:
+            self._pieces[key] = _BROKEN
+
+    def take(self, telegram: bytes, end_ns: int) -> bytes:
+        """Take a good telegram, whose last character came at `end_ns`. Return the command that it answers, if any."""
+        self._number += 1
+        control = telegram[4]
+        body_at = STATIC_LENGTH + (control & CONTROL_SUBADDRESSES) + bool(control & CONTROL_NUMBER)
+        stations = telegram[6 : STATIC_LENGTH + (control & CONTROL_SUBADDRESSES)]
+        if control & CONTROL_REACTION:
+            return self._take_reaction(telegram, body_at, stations, end_ns)
+        self._take_command(telegram, body_at, stations, end_ns)
+        return b""
+
+    def known(self, place: Place) -> Mapping[int, str]:
+        """Return what was told of a parameter, by element."""
+        return self._parameters.get(place, {})
+
+    @property
+    def is_under_way(self) -> bool:
+        """Tell whether a command waits for its reaction, or more pieces of long data follow."""
+        since = self._number - _RECENT
+        waiting = (one for one in self._of_master.values() if not one.over_at and one.sent_at > since)
+        return any(one.needs_reaction for one in waiting) or any(at > since for at in self._transfers.values())
+
+    def lines(self, now_ns: int, most: int) -> list[str]:
+        """Return the facts, up to so many bytes: settings and types, then the newest of the parameters."""
+        settings = [*self._settings.lines(now_ns), *self._identities()]
+        left = most - sum(map(_size, settings))
+        newest: list[str] = []
+        left_out = 0
+        for place, elements in reversed(self._parameters.items()):
+            facts = [f"{place} {_ELEMENTS[element]}{value and ' '}{value}" for element, value in elements.items()]
+            left -= sum(map(_size, facts))
+            if left < 0:
+                left_out += len(facts)
+            else:
+                newest += reversed(facts)
+        more = [f"and {left_out} more, which are older"] if left_out else []
+        return [*settings, *reversed(newest), *more]
+
+    def _identities(self) -> Iterator[str]:
+        for (path, device), identities in self._devices.items():
+            stations = "/".join(map(str, path))
+            yield from (f"{stations} device {device} {what} {text}" for what, text in identities.items())
+
+    def _take_command(self, telegram: bytes, body_at: int, stations: bytes, end_ns: int) -> None:
+        exchange = _Exchange(telegram, body_at, self._number)
+        before = self._of_master.get(telegram[6])
+        if before and not before.over_at:
+            before.over_at = self._number
+        self._of_master[telegram[6]] = exchange
+        self._exchanges.put(stations, exchange)
+        if has_control(telegram[5]) and _is_write(telegram[5]):
+            self._follow_transfer(telegram[body_at : body_at + 2], stations)
+        if stations[1] in (LEVEL_BROADCAST, BROADCAST) and len(stations) == 2:
+            for service, body in _services(telegram[5], telegram[body_at:]):
+                if service == INITIALIZATION:
+                    self._settings.take(BROADCAST, certain(body), end_ns)
+
+    def _take_reaction(self, telegram: bytes, body_at: int, stations: bytes, end_ns: int) -> bytes:
+        if has_control(telegram[5]) and not _is_write(telegram[5]) and telegram[body_at : body_at + 1] == b"\0":
+            self._follow_transfer(telegram[body_at + 1 : body_at + 3], stations)
+        exchange = self._asked(telegram, stations)
+        if not exchange:
+            return b""
+        is_again = exchange.is_answered
+        if not is_again:
+            exchange.is_answered, exchange.over_at = True, self._number
+        if general(telegram[5]) in _EXPLAINING and (self._pieces or not _is_value(telegram, body_at)):
+            self._learn_all(exchange, telegram, body_at, end_ns, is_again=is_again)
+        return exchange.command
+
+    def _learn_all(self, exchange: _Exchange, telegram: bytes, body_at: int, end_ns: int, *, is_again: bool) -> None:
+        asked = _services(telegram[5], exchange.command[body_at:])
+        said = _services(telegram[5], telegram[body_at:] if telegram[5] != _LIST else telegram[body_at + 1 :])
+        for (service, command), (answering, reaction) in _pairs(asked, said):
+            if service != answering or reaction[:1] != bytes([_GOOD]):
+                continue
+            if general(service) == _READ:
+                self._learn(exchange.path, command, reaction[1:], is_again=is_again, is_nested=telegram[5] == _LIST)
+            elif service == INITIALIZATION and len(exchange.path) == 1 and not is_again:
+                self._settings.take(exchange.path[0], certain(command), end_ns)
+            elif service == _IDENTIFICATION:
+                self._identify(exchange.path, command, reaction[1:])
+
+    def _identify(self, path: bytes, command: bytes, said: bytes) -> None:
+        """Learn the type of a device; command and reaction begin with device and subservice."""
+        what = _IDENTITIES.get(command[1]) if len(command) >= 2 else None
+        text = shown(said[2:].decode("latin-1"))
+        if what and text and command[1:2] == said[1:2] and len(text) <= _LONGEST:
+            key = path, command[0]
+            self._devices.put(key, {**self._devices.get(key, {}), what: text})
+
+    def _follow_transfer(self, access: bytes, stations: bytes) -> None:
+        """Note whether more pieces follow. `access`: control byte and device, of a written piece or of a read one."""
+        key = stations, access[1:]
+        if access and not access[0] & _LAST:
+            self._transfers.put(key, self._number)
+        elif self._transfers:
+            self._transfers.pop(key, None)
+
+    def _asked(self, reaction: bytes, stations: bytes) -> _Exchange | None:
+        """Return the exchange of a reaction, whose addresses are those of the command, or swapped."""
+        for addresses in (stations, stations[1::-1] + stations[2:]):
+            exchange = self._exchanges.get(addresses)
+            if not exchange or not exchange.fits(reaction):
+                continue
+            # If a damaged telegram came since it was over, that one may have been another command. What needs no
+            # reaction, such as a token, has one only before the next command.
+            is_newest = exchange is next(reversed(self._exchanges.values()))
+            if (exchange.needs_reaction or is_newest) and not 0 < exchange.over_at < self._damaged_at:
+                return exchange
+        return None
+
+    def _learn(self, path: bytes, command: bytes, said: bytes, *, is_again: bool, is_nested: bool) -> None:
+        """Learn from an element that was read: control byte, device and data, after the status."""
+        place = Place(path, command[1], command[2:5]) if len(command) >= 5 else None
+        if not place or len(said) < 2 or not place.is_defined:
+            return
+        element, data = said[0] >> 3 & 7, said[2:]
+        if self._pieces or not said[0] & _LAST:
+            whole = self._join(place, element, said, is_again=is_again, is_nested=is_nested)
+            if whole is None:
+                return
+            data = whole
+        if element in _ELEMENTS and data and (value := _value(element, data)) is not None:
+            known = self._parameters.get(place, {})
+            if known.get(element) != value:
+                known.pop(element, None)  # a limit from before belongs to the attribute from before
+            known[element] = value
+            self._parameters.put(place, known)
+
+    def _join(self, place: Place, element: int, said: bytes, *, is_again: bool, is_nested: bool) -> bytes | None:
+        """Join the pieces of an element (chapter 8.2). None if it is not complete."""
+        if is_nested:
+            return said[2:] if said[0] & _LAST else None
+        if is_again:
+            return None
+        for other in [other for other in self._pieces if other[0][:2] == place[:2] and other != (place, element)]:
+            del self._pieces[other]  # a device has one transfer at a time
+        data = self._pieces.pop((place, element), b"") + said[2:]
+        if said[0] & _LAST:
+            return data
+        self._pieces.put((place, element), data[:_ENOUGH])
+        return None
+
+
+def _is_value(reaction: bytes, body_at: int) -> bool:
+    """Tell whether nothing but operating data was read, in one piece. This is most of the traffic."""
+    return general(reaction[5]) == _READ and reaction[body_at + 1 : body_at + 2] == _VALUE
+
+
+def _is_write(service: int) -> bool:
+    return service & 0x0F >= 0x0E
+
+
+def _services(service: int, body: bytes) -> list[tuple[int, bytes]]:
+    """Return a service with its body, or those of a list of services: length, service, body (chapter 7)."""
+    if service != _LIST:
+        return [(service, body)]
+    found = []
+    at = 0
+    while at < len(body):
+        end = at + 1 + body[at]
+        if end > at + 1 and end <= len(body):
+            found.append((body[at + 1], body[at + 2 : end]))
+        at = end
+    return found
+
+
+def _pairs(
+    asked: list[tuple[int, bytes]], said: list[tuple[int, bytes]]
+) -> Iterator[tuple[tuple[int, bytes], tuple[int, bytes]]]:
+    """Yield each command with its reaction. If a list is not answered completely, nobody knows which belong."""
+    return iter(zip(asked, said, strict=True)) if len(asked) == len(said) else iter(())
+
+
+def _value(element: int, data: bytes) -> str | None:
+    """Return the value of an element as it stands in a line. None if it is not valid."""
+    if element in (NAME, UNIT):
+        has_lengths = len(data) >= 4 and int.from_bytes(data[:2], "little") == len(data) - 4
+        is_list = has_lengths and data[0:2][::-1] <= data[2:4][::-1]
+        text = shown(data[4 * is_list :].decode("latin-1"))
+        return text if (text or element == UNIT) and len(text) <= _LONGEST else None
+    if element == ATTRIBUTE:
+        return f"0x{int.from_bytes(data, 'little'):08x}" if len(data) == 4 else None
+    text = data.hex(" ")
+    return text if len(text) <= _LONGEST else None
+
+
+def _size(line: str) -> int:
+    return len(line.encode()) + 1

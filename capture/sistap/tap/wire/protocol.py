@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The wire over a socket: characters with time, errors and line settings, from a virtual bus or from a distant tap.
+
+The listener connects. The sender is a bus (`sistap bus`) or a tap (`sistap serve`). Network byte order; DEVELOP.md
+what each message means:
+
+    from the sender   'V' (1)  version (1)  kind (1)  time ns (8)  began ns (8)  place (8)  length (2)  text (length)
+    both ways         'S' (1)  baud (4)  data bits (1)  parity code (1)  stop half bits (1)
+    both ways         'T' (1)  time ns (8)
+    from the sender   'R' (1)  line (1)  count (2)  time ns (8)  uncertainty ns (4)
+                      then count times: value (1)  flags (1)
+    from the sender   'L' (1)  count (8)
+    from the sender   'N' (1)  happening (1)  length (2)  text (length)
+"""
+
+from __future__ import annotations
+
+import enum
+import struct
+from collections.abc import Callable
+from typing import NamedTuple
+
+from sistap.tap.line.settings import PARITIES, STOP_HALF_BITS, Happening, LineSettings, Notice, Read
+
+VERSION = 1
+
+_SETTINGS = struct.Struct(">cIBBB")
+_TIME = struct.Struct(">cQ")
+_READ = struct.Struct(">cBHQI")
+_HELLO = struct.Struct(">cBBQQQH")
+_LOST = struct.Struct(">cQ")
+_NOTICE = struct.Struct(">cBH")
+TIME_END_NS = 4_000_000_000 * 1_000_000_000  # in 2096; 32 bits for the seconds (RTAC) end ten years later
+_TEXT_MAX = 0xFFFF  # bytes
+_SHOWN_MAX = 1000  # characters of a text from the other end
+_NOTES_MAX = 20
+CURE = ": give the address that `sistap bus` or `sistap serve` prints"
+_STRANGER = f"the other end of the socket is not a sistap bus or tap{CURE}"
+_LATE = "the clock of the other end says a year after 2095: set it there"
+_SIZES = {  # of a message, or of its beginning
+    kind: form.size for kind, form in zip("VSTRLN", (_HELLO, _SETTINGS, _TIME, _READ, _LOST, _NOTICE), strict=True)
+}
+FROM_SENDER, FROM_LISTENER = "VSTRLN", "ST"  # which messages they may say
+
+
+class Kind(enum.IntEnum):
+    """The kind of sender."""
+
+    BUS = 0
+    TAP = 1
+
+
+class Hello(NamedTuple):
+    """The first message of a sender."""
+
+    kind: Kind
+    time_ns: int  # now, by the sender's clock
+    began_ns: int  # when it began: a different time means a different sender
+    place: int  # number of characters it has sent or lost so far
+    name: str
+    adapter: str
+    timing: str
+    notes: tuple[str, ...] = ()
+    version: int = VERSION
+
+
+class Lost(NamedTuple):
+    """That many characters are missing here, because they were not taken in time."""
+
+    characters: int
+
+
+class Time(NamedTuple):
+    """Nothing arrives before this time, in ns since 1970. A tap has passed on everything until then."""
+
+    time_ns: int
+
+
+Message = Hello | LineSettings | Time | Read | Lost | Notice
+
+
+def pack_settings(settings: LineSettings) -> bytes:
+    """Return the message of line settings."""
+    parity = PARITIES.index(settings.parity)
+    return _SETTINGS.pack(b"S", settings.baud, settings.data_bits, parity, settings.stop_half_bits)
+
+
+def pack_time(time_ns: int) -> bytes:
+    """Return the message of time."""
+    return _TIME.pack(b"T", time_ns)
+
+
+def pack_read(read: Read) -> bytes:
+    """Return the message of characters."""
+    pairs = bytearray(2 * len(read.data))
+    pairs[0::2] = read.data
+    pairs[1::2] = read.flags
+    return _READ.pack(b"R", read.line, len(read.data), read.time_ns, read.uncertainty_ns) + pairs
+
+
+def pack_hello(hello: Hello) -> bytes:
+    """Return the first message."""
+    text = _packed("\n".join([hello.name, hello.adapter, hello.timing, *hello.notes]))
+    head = (hello.version, hello.kind, hello.time_ns, hello.began_ns, hello.place, len(text))
+    return _HELLO.pack(b"V", *head) + text
+
+
+def pack_lost(count: int) -> bytes:
+    """Return the message of missing characters."""
+    return _LOST.pack(b"L", count)
+
+
+def pack_notice(notice: Notice) -> bytes:
+    """Return the message of an event."""
+    text = _packed(notice.text)
+    return _NOTICE.pack(b"N", notice.happening, len(text)) + text
+
+
+class Decoder:
+    """Cuts a byte stream into messages, whatever pieces the socket delivers. It keeps at most one incomplete
+    message.
+    """
+
+    def __init__(self, kinds: str = FROM_SENDER) -> None:
+        """Refuse messages that are not of these `kinds`."""
+        self._pending = bytearray()
+        self._kinds = kinds
+
+    def feed(self, data: bytes) -> list[Message]:
+        """Take what the socket delivered; return the complete messages. ValueError if the stream is not this
+        protocol.
+        """
+        self._pending += data
+        messages: list[Message] = []
+        while message := self._next():
+            messages.append(message)
+        return messages
+
+    def _next(self) -> Message | None:
+        pending = self._pending
+        kind = pending[:1].decode("latin-1")
+        if not kind:
+            return None
+        if kind not in self._kinds:
+            raise ValueError(_STRANGER)
+        start = _SIZES[kind]
+        if len(pending) < start:
+            return None
+        size = start + _LENGTHS.get(kind, _no_length)(pending)
+        if len(pending) < size:
+            return None
+        message = _MAKE[kind](bytes(pending[:start]), bytes(pending[start:size]))
+        if isinstance(message, Time | Read | Hello) and message.time_ns >= TIME_END_NS:
+            raise ValueError(_LATE if message.time_ns < 1 << 63 else _STRANGER)
+        del pending[:size]
+        return message
+
+
+def _packed(text: str) -> bytes:
+    return text.encode(errors="backslashreplace")[:_TEXT_MAX]
+
+
+def _text(data: bytes) -> str:
+    """Decode a text from the other end, and make it safe for a terminal."""
+    decoded = data.decode(errors="replace")[:_SHOWN_MAX]
+    return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in decoded)
+
+
+def _hello(head: bytes, rest: bytes) -> Hello:
+    _, version, kind, time_ns, began_ns, place, _ = _HELLO.unpack(head)
+    if version != VERSION:
+        raise ValueError(
+            f"it speaks version {version} of the wire, and this sistap {VERSION}: use the same at both ends"
+        )
+    if kind not in iter(Kind):
+        raise ValueError(_STRANGER)
+    name, adapter, timing, *notes = map(_text, [*rest.split(b"\n", 2 + _NOTES_MAX), b"", b""])
+    return Hello(Kind(kind), time_ns, began_ns, place, name, adapter, timing, tuple(note for note in notes if note))
+
+
+def _read(head: bytes, pairs: bytes) -> Read:
+    _, line, _, time_ns, uncertainty_ns = _READ.unpack(head)
+    return Read(line, time_ns, pairs[0::2], pairs[1::2], uncertainty_ns)
+
+
+def _notice(head: bytes, text: bytes) -> Notice:
+    _, happening, _ = _NOTICE.unpack(head)
+    if happening not in iter(Happening):
+        raise ValueError(_STRANGER)
+    return Notice(Happening(happening), _text(text))
+
+
+def _settings(message: bytes, _: bytes) -> LineSettings:
+    baud, data_bits, parity, stop = _SETTINGS.unpack(message)[1:]
+    if parity >= len(PARITIES) or stop not in STOP_HALF_BITS.values() or not 5 <= data_bits <= 8:
+        raise ValueError(_STRANGER)
+    return LineSettings(baud, data_bits, PARITIES[parity], stop)
+
+
+def _no_length(_: bytearray) -> int:
+    return 0
+
+
+# How many bytes follow the beginning of a message, and how to decode it.
+_LENGTHS: dict[str, Callable[[bytearray], int]] = {
+    "V": lambda pending: int(_HELLO.unpack_from(pending)[-1]),
+    "R": lambda pending: 2 * int(_READ.unpack_from(pending)[2]),
+    "N": lambda pending: int(_NOTICE.unpack_from(pending)[-1]),
+}
+_MAKE: dict[str, Callable[[bytes, bytes], Message]] = {
+    "V": _hello,
+    "S": _settings,
+    "T": lambda head, _: Time(_TIME.unpack(head)[1]),
+    "R": _read,
+    "L": lambda head, _: Lost(_LOST.unpack(head)[1]),
+    "N": _notice,
+}

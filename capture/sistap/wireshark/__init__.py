@@ -1,6 +1,0 @@
-# SPDX-License-Identifier: GPL-2.0-or-later
-"""The Wireshark that is installed here.
-
-How to run its tshark, also as root (tshark), the rows that it prints (rows), and where Wireshark keeps its files
-(folders). `python3 -m sistap.wireshark ARGUMENTS` runs tshark without root's rights. It may use terminal.
-"""
