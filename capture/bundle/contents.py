@@ -43,7 +43,7 @@ FILES = {
     "plugin/pictures/wireshark.png": "pictures/wireshark.png",
     "build/windows/command/sistap.exe": "sistap.exe",
     "build/windows/sistap.exe": "app/sistap/sistap.exe",
-    "lua-fallback/sis.lua": "app/sistap/tap/sis.lua",
+    "lua-fallback/sis.lua": "app/sistap/sis.lua",
 }
 MODULES = "build/windows/module"  # VERSION/sis.dll in it
 PAGES = ("docs", "sis.html")  # in build/, if they were made: the handbook, and the page with the course

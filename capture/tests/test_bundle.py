@@ -40,7 +40,7 @@ USED = (
     "lib/_socket.pyd lib/pyexpat.pyd lib/libffi-8.dll"
 ).split()
 OURS = (
-    "sistap.exe app/sistap/sistap.exe app/sistap/tap/sis.lua app/serial/__init__.py SIS.zip experimental/4.4/sis.dll "
+    "sistap.exe app/sistap/sistap.exe app/sistap/sis.lua app/serial/__init__.py SIS.zip experimental/4.4/sis.dll "
 )
 OURS += "source.zip demo.cmd CHECKLIST.html docs/index.html sis.html"
 

@@ -143,7 +143,7 @@ def test_no_libpcap(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_no_self_test(capsys: pytest.CaptureFixture[str], state: Path) -> None:
-    file = state / "sistap/commands/selftest.json"
+    file = state / "sistap/selftest.json"
     file.write_text("{")
     assert "is not what `sistap selftest` writes" in examined(capsys)[1]["self-test"][1]
     file.unlink()

@@ -442,4 +442,4 @@ def test_a_self_test_before_the_capture_says_how_exact_it_is(
         wireshark := Wireshark(tmp_path, line[1], "--uncertainty", "selftest", toolbar=False, sistap=keeping)
     )
     assert b"measured by selftest on" in wireshark.event(Event.CAPTURE_STARTED).data
-    assert (state / "sistap/commands/selftest.json").exists()
+    assert (state / "sistap/selftest.json").exists()

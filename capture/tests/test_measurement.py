@@ -62,7 +62,7 @@ def store_for(behind: ports.Adapter, p999_ns: int, settings: LineSettings = SETT
 def test_kept_and_found_again(state: Path) -> None:
     assert measurement.load() == ([], "")
     path = measurement.store(result())
-    assert path == state / "sistap/commands/selftest.json"
+    assert path == state / "sistap/selftest.json"
     assert measurement.load() == ([result()], "")
     assert os.listdir(path.parent) == [path.name]
 

@@ -41,7 +41,7 @@ def files(folder: Path) -> set[str]:
 def test_a_package_has_everything(checkout: Path) -> None:
     setup(checkout / "capture", "build_py", "--build-lib", "../package")
     assert files(checkout / "package/sistap") == files(checkout / "capture/sistap") | {"sis.lua"}
-    script = checkout / "package/sistap/tap/sis.lua"
+    script = checkout / "package/sistap/sis.lua"
     assert script.read_bytes() == (checkout / "lua-fallback/sis.lua").read_bytes()
 
 

@@ -28,7 +28,7 @@ pytest.importorskip("pyarrow", reason="pyarrow writes the tables: pip install py
 
 HOUSE = Path(__file__).parent.parent.parent
 CAPTURES = HOUSE / "test-captures"
-README = HOUSE / "capture" / "sistap" / "tables" / "README.md"
+README = HOUSE / "capture" / "sistap/commands/tables/README.md"
 QUESTIONS = dict(re.findall(r"### (.+?)\n.*?```sql\n(.*?)```", README.read_text("utf-8"), re.DOTALL))
 DAY_S = 86_400
 BEFORE_MIDNIGHT_S = 6398  # after the first capture: 2 s
