@@ -35,7 +35,6 @@ from sistap.line import others, ports
 from sistap.line.clock import Clock
 from sistap.line.others import Others
 from sistap.line.reader import PortError, PortLost, latency
-from sistap.line.reader.computer import Still
 from sistap.line.settings import ERROR_FLAGS, Flag, LineSettings, Read
 from sistap.records.counters import Counters
 from sistap.records.record import Event, Framing, Type
@@ -190,7 +189,7 @@ def test_a_port_is_put_back_when_a_signal_ends_a_capture(
     timer.parent.mkdir(parents=True)
     timer.write_text("16\n")
     monkeypatch.setattr(ports, "SYSFS", tmp_path)
-    monkeypatch.setattr(latency, "computer", lambda **_: Still(0))
+    monkeypatch.setattr(latency, "measured_ns", lambda: 0)
 
     def read(reader: PosixReader, timeout_s: float) -> None:
         assert timer.read_text() == "1"

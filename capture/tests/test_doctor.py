@@ -25,7 +25,6 @@ from sistap.analyser.probe import Analyser
 from sistap.doctor import Point
 from sistap.line import measurement, others, ports, priority
 from sistap.line.reader import latency
-from sistap.line.reader.computer import Still
 from sistap.wireshark.tshark import TsharkError
 
 TSHARK = "TShark (Wireshark) 4.2.5 (Git v4.2.5 packaged as 4.2.5-1).\n"
@@ -73,7 +72,7 @@ def healthy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     monkeypatch.setattr(ports, "found", lambda: [("/dev/ttyUSB0", ports.Adapter("FT232R", "ftdi_sio", latency_ms=16))])
     monkeypatch.setattr(priority, "is_real_time", lambda: True)
-    monkeypatch.setattr(latency, "computer", lambda *, at_once=True: Still(300_000 * at_once))
+    monkeypatch.setattr(latency, "measured_ns", lambda: 300_000)
     measurement.store(FITTING._replace(conditions=measurement.conditions()))
     return tmp_path
 

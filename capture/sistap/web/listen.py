@@ -21,7 +21,6 @@ from sistap.imports import ftdi
 from sistap.line.clock import CLOCK
 from sistap.line.ports import Adapter
 from sistap.line.reader import PortLost, latency
-from sistap.line.reader.computer import Still
 from sistap.line.reader.latency import Known
 from sistap.line.settings import Flag, Happening, LineSettings, Notice, Read
 from sistap.records.counters import Counters
@@ -120,7 +119,7 @@ class WebReader:
 
     def _bound(self, late_ns: int) -> tuple[int, latency.Bound]:
         """Return how late a character can be seen in ns, and how that comes about."""
-        known = Known(Still(late_ns + BROWSER_NS), "measured in the page, with 5 ms for the browser", [])
+        known = Known(late_ns + BROWSER_NS, "measured in the page, with 5 ms for the browser", [])
         bound = latency.bound(known, self.name, self._behind, self.settings)
         return bound.ns(known.machine_ns), bound
 
