@@ -181,6 +181,8 @@ def test_intervals_without_exact_times(tshark: Tshark, tmp_path: Path) -> None:
 def test_the_interval_before_one_read(tshark: Tshark, tmp_path: Path) -> None:
     """The last three of eight: two intervals between them, four of 1.146 ms before, and one that is neither."""
     assert intervals_of_one_read(tshark, tmp_path, first=6)[7:] == "2 0 4 0 0 0 0 0".split()
+    counts = dict(tree(tshark.output("-q", "-z", "sertap,tree", "-r", str(tmp_path / "read.pcapng"))))
+    assert counts["Interval inside a frame (us)"] == counts[" 1000-1999"] == 4
 
 
 def test_load_of_two_lines_is_their_mean(tshark: Tshark) -> None:

@@ -29,60 +29,73 @@ SECONDS = "60"
 
 
 class File(NamedTuple):
-    """A row of START-HERE.html. `made` is the folder where it was made before; without one it is made here."""
+    """A row of START-HERE.html. `made` is the folder where it was made before; without one it is made here.
+
+    If it was not made, `cure` says what makes it.
+    """
 
     name: str
     whom: str
     how: str
     made: str = ""
+    cure: str = ""
 
 
+_BUNDLE = "capture/bundle/build says what it needs"
 FILES = (
     File(
         f"sistap-{__version__}-setup.exe",
         "Windows",
-        "Install Wireshark 4.0 or later, then double-click this. It needs no administrator rights and no network.",
+        "Install Wireshark 4.0 or later, then double-click this. It needs no administrator rights and no network. "
+        "Then: Start menu > SIS in Wireshark > Demo.",
         "build/windows",
+        _BUNDLE,
     ),
     File(
         f"sistap-{__version__}-windows.zip",
         "Windows, in place of the installer",
         "Unpack it, and open README.html in it.",
         "build/windows",
+        _BUNDLE,
     ),
     File(
         f"sistap_{__version__}+wireshark*.deb",
         "Debian with the Wireshark that the name says",
-        "As root in this folder: apt-get install ./NAME",
+        "As root in this folder: apt-get install ./NAME. "
+        "Then, not as root: wireshark -C SIS. Double-click SIS demo bus.",
         "build/plugin",
+        "build/plugin/cpack.log says why",
     ),
     File(
         "sis.html",
         "Any computer where you may install nothing",
         "Open it in a browser. It reads captures and logs, and has the course.",
         "build",
+        "./bootstrap page",
     ),
     File(
         f"sistap-{__version__}-py3-none-any.whl",
         "Other Linux, and macOS",
         "Type: pipx install NAME, then sistap install. The first needs the internet.",
         "build/dist",
+        "build/dist.log says why",
     ),
     File(
         "sis.lua",
         "Any Wireshark 4.0 or later",
         "Copy it into the folder that Help > About Wireshark > Folders calls Personal Lua Plugins. Restart Wireshark.",
         "lua-fallback",
+        "git checkout lua-fallback",
     ),
     File(
         "SIS.zip",
-        "Who has copied sis.lua",
+        "Users of sis.lua",
         "Columns, colours and filters: Edit > Configuration Profiles > Import > from zip file. Do not unpack it.",
     ),
     File("demo.pcapng", "A first look", "A minute of a simulated bus with faults: open it in Wireshark with SIS."),
     File("report.html", "A first look", "What sistap report says about that minute: open it in a browser."),
     File(f"sistap-{__version__}-handbook.zip", "Everybody", "Unpack it, and open docs/index.html in a browser."),
-    File("NOTES.md", "Who has used it before", "What is new: open it with a text editor."),
+    File("NOTES.md", "Users of an earlier version", "What is new: open it with a text editor."),
 )
 PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -114,10 +127,14 @@ def sistap(*arguments: str) -> None:
 
 
 def notes() -> str:
-    """Return what is new: the first part of the CHANGELOG. Links to other documents are plain words here."""
+    """Return what is new: the first part of the CHANGELOG. Its first section, of old names, comes last.
+
+    Links to other documents are plain words here.
+    """
     first = re.split(r"^## .*\n", (HOUSE / "CHANGELOG.md").read_text("utf-8"), flags=re.MULTILINE)[1]
     words = re.sub(r"\[([^\]]*)\]\((?!https?:)[^)]*\)", r"\1", first.strip())
-    return f"# sistap {__version__}\n\n{product()}\n\n## What is new\n\n{words}\n"
+    names, *news = re.split(r"\n\n(?=### )", words)
+    return "\n\n".join([f"# sistap {__version__}", product(), "## What is new", *news, names]) + "\n"
 
 
 def product() -> str:
@@ -156,7 +173,7 @@ def copied() -> bool:
         for path in found:
             shutil.copyfile(path, RELEASE / path.name)
         if not found:
-            print(f"release: not made: {file.name}", file=sys.stderr)
+            print(f"release: not made: {file.name.replace('*', 'VERSION')}: {file.cure}", file=sys.stderr)
             complete = False
     return complete
 

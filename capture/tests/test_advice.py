@@ -92,11 +92,16 @@ def test_windows_is_told_nothing_of_linux() -> None:
     assert advice("freebsd") == advice("linux")
 
 
-WITH_SUDO = "`sudo usermod -aG dialout $USER`, `echo 1 | sudo tee x` or run sistap with sudo; `sistap ports`"
+WITH_SUDO = (
+    "`sudo usermod -aG dialout $USER`, `echo 1 | sudo tee x` or run sistap with sudo; "
+    "`sistap ports`, no sudo here, `sudo a && sudo b`"
+)
 TYPED = {
     (False, True): WITH_SUDO,
-    (False, False): "`usermod -aG dialout me` as root, `echo 1 | tee x` as root or run sistap as root; `sistap ports`",
-    (True, True): "`usermod -aG dialout me`, `echo 1 | tee x` or run sistap as root; `sistap ports`",
+    (False, False): "`usermod -aG dialout me` as root, `echo 1 | tee x` as root or run sistap as root; "
+    "`sistap ports`, no sudo here, `a && b` as root",
+    (True, True): "`usermod -aG dialout me`, `echo 1 | tee x` or run sistap as root; "
+    "`sistap ports`, no sudo here, `a && b`",
 }
 
 

@@ -39,9 +39,7 @@ USED = (
     "python.exe python3.dll python314.dll python314._pth vcruntime140.dll lib/os.py lib/encodings/utf_8.py "
     "lib/_socket.pyd lib/pyexpat.pyd lib/libffi-8.dll"
 ).split()
-OURS = (
-    "sistap.exe app/sistap/sistap.exe app/sistap/sis.lua app/serial/__init__.py SIS.zip experimental/4.4/sis.dll "
-)
+OURS = "sistap.exe app/sistap/sistap.exe app/sistap/sis.lua app/serial/__init__.py SIS.zip experimental/4.4/sis.dll "
 OURS += "source.zip demo.cmd CHECKLIST.html docs/index.html sis.html"
 
 

@@ -35,7 +35,6 @@ from sistap.tap.line import others, ports
 from sistap.tap.line.clock import Clock
 from sistap.tap.line.others import Others
 from sistap.tap.line.reader import PortError, PortLost, latency
-from sistap.tap.line.reader.computer import Still
 from sistap.tap.line.settings import ERROR_FLAGS, Flag, LineSettings, Read
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Event, Framing, Type
@@ -190,7 +189,7 @@ def test_a_port_is_put_back_when_a_signal_ends_a_capture(
     timer.parent.mkdir(parents=True)
     timer.write_text("16\n")
     monkeypatch.setattr(ports, "SYSFS", tmp_path)
-    monkeypatch.setattr(latency, "computer", lambda **_: Still(0))
+    monkeypatch.setattr(latency, "measured_ns", lambda: 0)
 
     def read(reader: PosixReader, timeout_s: float) -> None:
         assert timer.read_text() == "1"

@@ -9,15 +9,15 @@ import pty
 import termios
 import time
 import tty
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
 
 from sistap.tap.capture.hints import Exactness
-from sistap.tap.line.reader import delay, latency, open_reader
+from sistap.tap.line.reader import PortError, delay, latency, open_reader
 from sistap.tap.line.reader.delay import Computer
 from sistap.tap.line.reader.device import PosixReader
-from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings, Read
 
 pytestmark = pytest.mark.tap
 
@@ -44,11 +44,26 @@ def line() -> Iterator[tuple[int, str]]:
     os.close(reading)
 
 
-def opened(monkeypatch: pytest.MonkeyPatch, measured: Computer, port: str) -> PosixReader:
-    monkeypatch.setattr(latency, "computer", lambda **_: measured)
+def opened(monkeypatch: pytest.MonkeyPatch, port: str, measured_ns: int) -> PosixReader:
+    monkeypatch.setattr(latency, "measured_ns", lambda: measured_ns)
     reader = open_reader(port, SETTINGS)
     assert isinstance(reader, PosixReader)
     return reader
+
+
+class Poll:
+    """The poll of a reader, and what happens when it returns nothing or something."""
+
+    def __init__(self, reader: PosixReader, then: Callable[[list[int]], None]) -> None:
+        assert reader.read(0) is None and reader._alone
+        self._real, self._then = reader._alone._poll, then
+        reader._alone._poll = self  # type: ignore[assignment]
+
+    def poll(self, step_ms: int) -> list[tuple[int, int]]:
+        ready = self._real.poll(step_ms)
+        if step_ms:
+            self._then([descriptor for descriptor, _ in ready])
+        return ready or self._real.poll(0)
 
 
 def heard(reader: PosixReader, writing: int) -> Read:
@@ -63,7 +78,7 @@ def heard(reader: PosixReader, writing: int) -> Read:
 def test_when_a_busy_computer_is_quiet_again_times_are_exact_again(
     line: tuple[int, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    reader = opened(monkeypatch, Computer([LATE_NS] * 20), line[1])
+    reader = opened(monkeypatch, line[1], LATE_NS)
     assert reader.timing.startswith("uncertainty 4000.00 ms, measured when the capture started and ever since; ")
     assert heard(reader, line[0]).uncertainty_ns >= LATE_NS
     end = time.monotonic() + PATIENCE_S
@@ -74,23 +89,15 @@ def test_when_a_busy_computer_is_quiet_again_times_are_exact_again(
 
 
 def test_a_wake_that_comes_late_is_seen_at_once(line: tuple[int, str], monkeypatch: pytest.MonkeyPatch) -> None:
-    """The process wakes 200 ms after both characters came."""
-    measured = Computer([1] * 20)
-    reader = opened(monkeypatch, measured, line[1])
-    assert reader.read(0) is None
-    assert reader._alone
-    real = reader._alone._poll
+    """The process wakes 200 ms after both characters came: its own, and one of the line."""
+    reader = opened(monkeypatch, line[1], 1)
 
-    class Late:
-        def poll(self, step_ms: float) -> list[tuple[int, int]]:
-            ready: list[tuple[int, int]] = real.poll(step_ms)
-            if step_ms and measured.fileno() in dict(ready):
-                os.write(line[0], b"A")
-                time.sleep(0.2)
-                ready = real.poll(0)
-            return ready
+    def late(ready: list[int]) -> None:
+        if reader.beside and reader.beside.fileno() in ready:
+            os.write(line[0], b"A")
+            time.sleep(0.2)
 
-    reader._alone._poll = Late()  # type: ignore[assignment]
+    Poll(reader, late)
     end = time.monotonic() + PATIENCE_S
     while not (read := reader.read(0.1)):
         assert time.monotonic() < end
@@ -98,10 +105,37 @@ def test_a_wake_that_comes_late_is_seen_at_once(line: tuple[int, str], monkeypat
     reader.close()
 
 
+def test_a_sleep_that_ends_too_late_counts(line: tuple[int, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """The process is stopped for 300 ms while no character is under way."""
+    reader = opened(monkeypatch, line[1], 1)
+    late: list[int] = []
+
+    def stopped(ready: list[int]) -> None:
+        if not ready and not late:
+            time.sleep(0.3)
+            late.append(reader.uncertainty_ns)
+
+    Poll(reader, stopped)
+    end = time.monotonic() + PATIENCE_S
+    while not late:
+        assert reader.read(0.1) is None and time.monotonic() < end
+    assert late[0] < 300 * MS <= reader.uncertainty_ns
+    reader.close()
+
+
+def test_a_character_that_does_not_come_back_makes_times_as_inexact_as_its_wait() -> None:
+    measured = Computer()
+    measured.before_sleep(1)
+    time.sleep(0.02)
+    assert measured.late_ns >= 20 * MS
+    measured.close()
+
+
 def test_a_reader_that_was_busy_itself_says_nothing_about_the_computer() -> None:
     measured = sent()
     assert measured.read_now(0) == []
     assert measured.late_ns == 7
+    measured.close()
 
 
 def test_one_character_is_under_way() -> None:
@@ -110,14 +144,15 @@ def test_one_character_is_under_way() -> None:
     time.sleep(0.02)
     assert waiting(measured) == 1
     measured.read_now(1)
-    measured.before_sleep(0)  # not due yet
+    assert measured.before_sleep(0) == -(-measured._due_ns // MS)  # not due yet
     time.sleep(0.02)
     assert waiting(measured) == 0
+    measured.close()
 
 
 def sent() -> Computer:
     """Return a computer whose character waits."""
-    measured = Computer([7])
+    measured = Computer(7)
     measured.before_sleep(time.monotonic_ns())
     end = time.monotonic() + PATIENCE_S
     while not waiting(measured) and time.monotonic() < end:
@@ -131,17 +166,43 @@ def waiting(measured: Computer) -> int:
 
 def test_before_anybody_polls_it_measures_itself() -> None:
     measured = Computer()
-    measured.measure(20 * MS)
-    assert measured.late_ns > 0 and not waiting(measured)
+    assert measured.measure(0) == measured.late_ns > 0  # at least once, however late this process is
+    assert not waiting(measured)
+    measured.close()
 
 
-def test_one_in_a_thousand_may_be_later(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_first_character_that_does_not_come_back_is_not_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(delay, "PATIENCE_NS", 20 * MS)
+    monkeypatch.setattr(Computer, "before_sleep", lambda *_: 0)
+    measured = Computer()
+    assert measured.measure(0) == 20 * MS
+    measured.close()
+
+
+def test_the_longest_of_the_last_thousand_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(delay, "KEPT", 1000)
-    assert Computer([5 * MS, *[MS] * 998]).late_ns == 5 * MS
-    assert Computer([5 * MS, *[MS] * 999]).late_ns == MS
-    assert Computer([5 * MS, 5 * MS, *[MS] * 998]).late_ns == 5 * MS
-    assert Computer([*[9 * MS] * 500, *[MS] * 1000]).late_ns == MS  # only the last thousand count
-    assert Computer([]).late_ns == 0
+    for delays, longest in (
+        ([5, *[1] * 999], 5),
+        ([5, *[1] * 1000], 1),
+        ([9, 5, *[1] * 998, 7, 1], 7),
+        ([9, 5, *[1] * 999], 5),
+        ([], 0),
+    ):
+        measured = Computer(*delays)
+        assert measured.late_ns == longest, (delays[:2], len(delays))
+        measured.close()
+
+
+def test_a_port_that_comes_and_goes_leaves_nothing_open(line: tuple[int, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    opened(monkeypatch, line[1], 1).close()
+    before = os.listdir("/proc/self/fd")
+    for _ in range(3):
+        reader = opened(monkeypatch, line[1], 1)
+        reader.read(0.001)
+        reader.close()
+        with pytest.raises(PortError):
+            open_reader("/dev/none", SETTINGS)
+    assert os.listdir("/proc/self/fd") == before
 
 
 def test_what_changes_much_is_told() -> None:
@@ -157,3 +218,6 @@ def test_what_changes_much_is_told() -> None:
         "/dev/ttyUSB0: uncertainty 1.50 ms now, 0.40 ms before: this computer is busier"
     )
     assert exactness.look(30 * MS, 80.9) == ""  # forty seconds
+    for elapsed_s in range(100, 4000, 100):
+        exactness.look((elapsed_s % 200 + 1) * MS, elapsed_s)
+    assert exactness.look(UNCERTAINTY_UNKNOWN, 4300).startswith("/dev/ttyUSB0: uncertainty unknown now, ")

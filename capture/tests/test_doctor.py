@@ -27,7 +27,6 @@ from sistap.tap.analyser import probe, reader
 from sistap.tap.analyser.probe import Analyser
 from sistap.tap.line import measurement, others, ports, priority
 from sistap.tap.line.reader import latency
-from sistap.tap.line.reader.computer import Still
 
 TSHARK = "TShark (Wireshark) 4.2.5 (Git v4.2.5 packaged as 4.2.5-1).\n"
 PLUGIN = (
@@ -74,7 +73,7 @@ def healthy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     monkeypatch.setattr(ports, "found", lambda: [("/dev/ttyUSB0", ports.Adapter("FT232R", "ftdi_sio", latency_ms=16))])
     monkeypatch.setattr(priority, "is_real_time", lambda: True)
-    monkeypatch.setattr(latency, "computer", lambda *, at_once=True: Still(300_000 * at_once))
+    monkeypatch.setattr(latency, "measured_ns", lambda: 300_000)
     measurement.store(FITTING._replace(conditions=measurement.conditions()))
     return tmp_path
 

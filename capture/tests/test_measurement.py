@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 import platform
+import pty
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,7 +15,6 @@ import pytest
 from sistap.tap.line import measurement, ports, priority
 from sistap.tap.line.measurement import MACHINE, Conditions, Result
 from sistap.tap.line.reader import computer, delay, latency
-from sistap.tap.line.reader.computer import Still
 from sistap.tap.line.reader.contract import STEP_MS
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 
@@ -25,7 +25,7 @@ FTDI = ports.Adapter("FT232R USB UART", "ftdi_sio", latency_ms=1, serial="A50285
 UNKNOWN = ports.Adapter("CP2102", "cp210x", serial="0001")
 SETTINGS = LineSettings(9600)
 MEASURED_NS = 400_000  # when a capture starts
-MEASURING = computer.computer.__wrapped__  # which remembers nothing
+MEASURING = computer.measured_ns.__wrapped__  # which remembers nothing
 
 
 def result(p999_ns: int = 250_000, place: str = MACHINE, conditions: Conditions = HERE) -> Result:
@@ -37,7 +37,7 @@ def bench(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(platform, "node", lambda: HERE["machine"])
     monkeypatch.setattr(platform, "release", lambda: HERE["kernel"])
     monkeypatch.setattr(priority, "words", lambda: HERE["priority"])
-    monkeypatch.setattr(latency, "computer", lambda *, at_once=True: Still(MEASURED_NS if at_once else 0))
+    monkeypatch.setattr(latency, "measured_ns", lambda: MEASURED_NS)
 
 
 class At(NamedTuple):
@@ -127,7 +127,7 @@ def test_a_broken_file_is_passed_over_with_one_line_and_replaced(state: Path, co
     path = measurement.store(result())
     path.write_bytes(content)
     known = latency.known()
-    assert (known.machine_ns, known.how) == (MEASURED_NS, "measured when the capture started")
+    assert (known.machine_ns, known.how) == (MEASURED_NS, "measured when the capture started and ever since")
     (note,) = known.notes
     assert note == f"{path} is not what `sistap selftest` writes and is ignored: run it again to replace the file"
     measurement.store(result())
@@ -189,12 +189,12 @@ def test_a_capture_takes_the_machines_part_from_it() -> None:
     measurement.store(result())
     assert bound(ports.Adapter(pseudo_terminal=True)) == (
         250_000,
-        "uncertainty 0.25 ms, measured by selftest on 2026-11-20",
+        "uncertainty 0.25 ms, measured by selftest on 2026-11-20 and ever since",
         (),
     )
     assert bound(FTDI) == (
         1_250_000,
-        "uncertainty 1.25 ms: latency timer 1 ms and 0.25 ms, measured by selftest on 2026-11-20",
+        "uncertainty 1.25 ms: latency timer 1 ms and 0.25 ms, measured by selftest on 2026-11-20 and ever since",
         (),
     )
 
@@ -205,7 +205,7 @@ def test_a_capture_takes_the_machines_part_from_it() -> None:
 def test_it_holds_only_under_its_conditions(name: str, other: str) -> None:
     measurement.store(result(conditions=HERE | {name: other}))
     known = latency.known()
-    assert (known.machine_ns, known.how) == (MEASURED_NS, "measured when the capture started")
+    assert (known.machine_ns, known.how) == (MEASURED_NS, "measured when the capture started and ever since")
     assert known.notes == (
         f"the self-test of 2026-11-20 does not hold here ({name} {other}, now {HERE[name]}): "
         "run `sistap selftest` again",
@@ -233,11 +233,11 @@ def test_what_an_unknown_adapter_adds_is_known_from_its_self_test() -> None:
     store_for(UNKNOWN, 2_500_000)
     assert bound(UNKNOWN) == (
         2_500_000,
-        "uncertainty 2.50 ms, measured by selftest of the port on 2026-11-20",
+        "uncertainty 2.50 ms, measured by selftest of the port on 2026-11-20 and ever since",
         (),
     )
     store_for(UNKNOWN, MEASURED_NS - 1)  # it adds nothing
-    assert bound(UNKNOWN) == (MEASURED_NS, "uncertainty 0.40 ms, measured when the capture started", ())
+    assert bound(UNKNOWN) == (MEASURED_NS, "uncertainty 0.40 ms, measured when the capture started and ever since", ())
 
 
 def test_a_self_test_of_a_port_never_makes_the_uncertainty_smaller() -> None:
@@ -249,7 +249,7 @@ def test_a_self_test_of_a_port_never_makes_the_uncertainty_smaller() -> None:
 
 def test_of_two_bounds_that_are_equal_the_measured_one_is_named() -> None:
     store_for(FTDI, 1_000_000 + MEASURED_NS)
-    assert bound(FTDI).how == "uncertainty 1.40 ms, measured by selftest of the port on 2026-11-20"
+    assert bound(FTDI).how == "uncertainty 1.40 ms, measured by selftest of the port on 2026-11-20 and ever since"
 
 
 @pytest.mark.parametrize(("trigger", "characters"), [(1, 0), (2, 4), (14, 16)])
@@ -265,17 +265,14 @@ def test_this_machine_is_measured_for_200_ms(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(delay.Computer, "measure", lambda _, duration_ns: asked.append(duration_ns))
     MEASURING()
     assert asked == [200_000_000]
-    MEASURING(at_once=False)  # a self-test takes its place
-    assert len(asked) == 1
 
 
-@pytest.mark.parametrize("error", [OSError(2, "No such file"), delay.LoopBroken("the port is gone")])
-def test_without_a_pseudo_terminal_nobody_knows(monkeypatch: pytest.MonkeyPatch, error: Exception) -> None:
-    def refuse(measured: delay.Computer, duration_ns: int) -> None:
-        raise error
+def test_without_a_pseudo_terminal_nobody_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse() -> None:
+        raise OSError(2, "No such file")
 
-    monkeypatch.setattr(delay.Computer, "measure", refuse)
-    monkeypatch.setattr(latency, "computer", MEASURING)
+    monkeypatch.setattr(pty, "openpty", refuse)
+    monkeypatch.setattr(latency, "measured_ns", MEASURING)
     how = "uncertainty unknown: there is no pseudo terminal to measure with"
     assert bound(FTDI) == (UNCERTAINTY_UNKNOWN, how, ())
 

@@ -19,7 +19,6 @@ import pytest
 from sistap.tap.line import others, ports
 from sistap.tap.line.others import Others
 from sistap.tap.line.reader import PortError, latency, open_reader
-from sistap.tap.line.reader.computer import Still
 from sistap.tap.line.settings import LineSettings
 
 pytestmark = pytest.mark.tap
@@ -32,7 +31,7 @@ OF_ALL = "pid:[4026531836]"  # Linux, <linux/proc_ns.h>: PROC_PID_INIT_INO is 0x
 @pytest.fixture
 def line(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[int, str]]:
     """A pseudo terminal, of which this process has both ends: that of the bus, and the name of the other."""
-    monkeypatch.setattr(latency, "computer", lambda **_: Still(0))
+    monkeypatch.setattr(latency, "measured_ns", lambda: 0)
     master, slave = pty.openpty()
     tty.setraw(slave)
     yield master, os.ttyname(slave)

@@ -20,7 +20,6 @@ from pathlib import Path
 import pytest
 
 from sistap.tap.line.reader import latency, open_reader
-from sistap.tap.line.reader.computer import Still
 from sistap.tap.line.settings import LineSettings
 
 pytestmark = pytest.mark.tap
@@ -133,7 +132,7 @@ def test_tuning_changes_a_flag_of_the_driver_and_nothing_else(monkeypatch: pytes
 
     before = state[0]
     monkeypatch.setattr(fcntl, "ioctl", ioctl)
-    monkeypatch.setattr(latency, "computer", lambda **_: Still(0))
+    monkeypatch.setattr(latency, "measured_ns", lambda: 0)
     open_reader(os.ttyname(slave), LineSettings()).close()
     on, off = changed
     assert off == before
@@ -162,7 +161,7 @@ def test_modem_lines_of_a_real_port_only_go_down(monkeypatch: pytest.MonkeyPatch
 
     monkeypatch.setattr(fcntl, "ioctl", ioctl)
     monkeypatch.setattr(termios, "tcsetattr", configure)
-    monkeypatch.setattr(latency, "computer", lambda **_: Still(0))
+    monkeypatch.setattr(latency, "measured_ns", lambda: 0)
     source = open_reader(os.ttyname(slave), LineSettings())
     os.write(master, TELEGRAM)
     assert source.read(10)

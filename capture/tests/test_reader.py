@@ -38,7 +38,6 @@ from sistap.tap.line.reader import (
     opening,
     several,
 )
-from sistap.tap.line.reader.computer import Still
 from sistap.tap.line.reader.contract import READ_SIZE
 from sistap.tap.line.reader.device import MarkDecoder, PosixReader
 from sistap.tap.line.reader.tuning import Tuning
@@ -56,7 +55,8 @@ PATIENCE_S = 60  # never waited for unless something is broken
 
 @pytest.fixture(autouse=True)
 def measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(latency, "computer", lambda **_: Still(LATENCY))
+    monkeypatch.setattr(latency, "measured_ns", lambda: LATENCY)
+    monkeypatch.setattr(device, "Computer", lambda _: None)  # it would measure on
 
 
 class Pty:
@@ -198,7 +198,7 @@ def test_descriptions(bus: Pty) -> None:
     source = open_reader(bus.port, SETTINGS)
     assert source.name == bus.port
     assert source.adapter == "pseudo terminal"
-    assert source.timing == "uncertainty 0.30 ms, measured when the capture started; ordinary priority"
+    assert source.timing == "uncertainty 0.30 ms, measured when the capture started and ever since; ordinary priority"
     assert source.settings == SETTINGS  # 8E1, although a pty is 8N1
     source.close()
 
@@ -762,22 +762,22 @@ def test_a_port_that_is_lost_delivers_first_what_was_held_back(bus: Pty, monkeyp
         (
             ports.Adapter("FT232R", "ftdi_sio", latency_ms=16),
             16_300_000,
-            "uncertainty 16.30 ms: latency timer 16 ms and 0.30 ms, measured when the capture started",
+            "uncertainty 16.30 ms: latency timer 16 ms and 0.30 ms, measured when the capture started and ever since",
         ),
         (  # its first of seven characters waits for six more and a time-out of four: ten of 11 bits at 9600 Bd
             ports.Adapter("16550A UART", "serial", fifo_trigger=8),
             10 * 1_145_833 + LATENCY,
-            "uncertainty 11.76 ms: FIFO trigger 8 and 0.30 ms, measured when the capture started",
+            "uncertainty 11.76 ms: FIFO trigger 8 and 0.30 ms, measured when the capture started and ever since",
         ),
         (
             ports.Adapter("16550A UART", "serial", fifo_trigger=1),
             LATENCY,
-            "uncertainty 0.30 ms, measured when the capture started",
+            "uncertainty 0.30 ms, measured when the capture started and ever since",
         ),
         (
             ports.Adapter("CP2102", "cp210x"),
             LATENCY,
-            "uncertainty 0.30 ms, measured when the capture started; what the adapter adds is not known",
+            "uncertainty 0.30 ms, measured when the capture started and ever since; what the adapter adds is not known",
         ),
     ],
 )
@@ -813,7 +813,7 @@ def test_the_uncertainty_is_that_of_the_tuned_port(bus: Pty, tuned: Path, monkey
     SteppedTime(monkeypatch)
     source = open_reader(bus.port, SETTINGS)
     assert source.timing == (
-        "uncertainty 1.30 ms: latency timer 1 ms and 0.30 ms, measured when the capture started; "
+        "uncertainty 1.30 ms: latency timer 1 ms and 0.30 ms, measured when the capture started and ever since; "
         "latency timer 16 -> 1 ms; ordinary priority"
     )
     assert source.adapter == "FT232R (latency timer 1 ms)"
@@ -870,10 +870,8 @@ def test_a_lost_port_is_put_back_too(bus: Pty, tuned: Path) -> None:
 
 def test_measuring_leaves_nothing_open_and_gives_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
-    measured = computer.computer()
-    assert 0 < measured.late_ns < UNCERTAINTY_UNKNOWN
     open_before = descriptors()
-    assert computer.computer() is measured  # a property of the process, not of a port
+    assert 0 < computer.measured_ns.__wrapped__() < UNCERTAINTY_UNKNOWN
     assert descriptors() <= open_before
 
 

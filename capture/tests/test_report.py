@@ -186,6 +186,20 @@ def test_reaction_times(figures: dict[str, Any]) -> None:
     assert service["trs"]["exceeded"] == 1
 
 
+def test_a_log_beside_a_capture_adds_no_intervals(tshark: Tshark, tmp_path: Path) -> None:
+    """Nine commands like the first, but each in one read: they are in no table of intervals, and in no quantile."""
+    in_one_read = Sent(READ, flags={place: Flag.SAME_READ for place in range(2, len(READ) + 1)})
+    alone, both = (
+        made(tshark, write(tmp_path / f"{number}.pcapng", [Sent(READ), Sent(ANSWER), *[in_one_read] * number]))
+        for number in (0, 9)
+    )
+    assert tables.pauses(both).rows == tables.pauses(alone).rows
+    assert tables.places(both).rows == tables.places(alone).rows
+    of_all, of_one = (report.figures.pauses.intervals for report in (both, alone))
+    assert (of_all.count, of_all.within_s(0.5)) == (of_one.count, of_one.within_s(0.5))
+    assert (both.figures.pauses.same_read, both.figures.pauses.count) == (9 * 12, 9 * 12 + 12 + len(ANSWER) - 1)
+
+
 def test_what_came_in_one_read_is_judged_but_has_no_reaction_time(tshark: Tshark, tmp_path: Path) -> None:
     late = [
         Sent(data, flags={place: Flag.SAME_READ for place in range(first, len(data) + 1)}, uncertainty_ns=500_000_000)

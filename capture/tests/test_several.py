@@ -24,7 +24,6 @@ from pcapng.blocks import InterfaceDescription, InterfaceStatistics
 from specification import TELEGRAMS
 
 from sistap.tap.line.reader import PortLost, Reader, device, latency, open_reader, several, together
-from sistap.tap.line.reader.computer import Still
 from sistap.tap.line.reader.several import PolledReaders, ThreadedReaders
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.record import Event, Type
@@ -73,7 +72,8 @@ def lines() -> Iterator[tuple[Line, Line]]:
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., list[Reader]]]:
-    monkeypatch.setattr(latency, "computer", lambda **_: Still(LATENCY))
+    monkeypatch.setattr(latency, "measured_ns", lambda: LATENCY)
+    monkeypatch.setattr(device, "Computer", lambda _: None)  # it would measure on
     readers: list[Reader] = []
 
     def open_both(*ports: str) -> list[Reader]:
@@ -133,8 +133,20 @@ def test_what_came_while_the_other_line_was_dealt_with_says_so(
 ) -> None:
     clock = SteppedTime(monkeypatch)
     with together(opened(lines[0].port, lines[1].port)) as source:
+        assert isinstance(source, PolledReaders)
+        real = source._poll
+
+        class Passing:
+            """Time passes while nothing comes."""
+
+            def poll(self, step_ms: int) -> list[tuple[int, int]]:
+                if not (ready := real.poll(step_ms)):
+                    clock.now += step_ms * 1_000_000
+                return ready
+
+        monkeypatch.setattr(source, "_poll", Passing())
         assert source.read(0.01) is None  # both lines are silent for 10 ms
-        clock.now += 12_000_000
+        clock.now += 2_000_000
         lines[0].say(b"A")
         wait_for(lambda: bool(waiting(lines[0])))
         (read,) = collect(source, 1)

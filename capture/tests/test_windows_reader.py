@@ -12,7 +12,6 @@ from sistap.tap import windows
 from sistap.tap.line import measurement
 from sistap.tap.line.ports import Adapter
 from sistap.tap.line.reader import PortError, PortLost, computer, latency
-from sistap.tap.line.reader.computer import Still
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
 from sistap.tap.windows import CommPort, flags
 
@@ -117,7 +116,7 @@ class Device:
 def device(monkeypatch: pytest.MonkeyPatch) -> Device:
     port = Device()
     monkeypatch.setattr(windows, "closed_serial", lambda *_: port)
-    monkeypatch.setattr(latency, "computer", lambda *, at_once=True: Still(MACHINE_NS if at_once else 0))
+    monkeypatch.setattr(latency, "measured_ns", lambda: MACHINE_NS)
     return port
 
 

@@ -46,14 +46,22 @@ count_characters(stats_tree *tree, const sertap_record_t *record)
     }
 }
 
+static bool
+has_flag(const sertap_record_t *record, unsigned at, uint8_t flags)
+{
+    return at < record->timed && compat_get_uint8(record->tvb, record->flags_offset + at) & flags;
+}
+
+/* One inside a read of several, or beside it, has no exact length. */
 static void
 count_intervals(stats_tree *tree, const sertap_record_t *record)
 {
     for (unsigned i = 1; i < record->timed; i++) {
         int us;
 
-        if (compat_get_uint8(record->tvb, record->flags_offset + i) & (SERTAP_ERROR_LOST | SERTAP_SAME_READ))
-            continue; /* its length is not known */
+        if (has_flag(record, i, SERTAP_ERROR_LOST) || has_flag(record, i - 1, SERTAP_SAME_READ) ||
+            has_flag(record, i, SERTAP_SAME_READ) || has_flag(record, i + 1, SERTAP_SAME_READ))
+            continue;
         us = (int)(tvb_get_ntohl(record->tvb, record->times_offset + 4 * i) / 1000);
         tick_stat_node(tree, intervals_name, 0, TRUE); /* the next line adds up here, but does not count */
         stats_tree_tick_range(tree, intervals_name, 0, us);

@@ -233,7 +233,7 @@ def _clock() -> Iterator[Point]:
         text = f"of {result.date}: 99.9 % of {result.characters} characters within {result.p999_ns / 1e6:.2f} ms"
         yield Point("good", "self-test", text)
     else:
-        cure = "none: `sistap selftest` measures how exact the times are; until then, every capture measures for 0.2 s"
+        cure = "none: `sistap selftest` measures how exact the times are; until then, a capture measures when it starts"
         yield Point("poor", "self-test", trouble or misfit or cure)
 
 

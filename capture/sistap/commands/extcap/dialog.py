@@ -68,7 +68,7 @@ def _other_ports(name: str) -> Sequence[Choice]:
 
 
 def _uncertainties(_: str) -> Sequence[Choice]:
-    return [("", "From the last self-test, or measured for 0.2 s"), (SELFTEST, "From a self-test now (5 s)")]
+    return [("", "From the last self-test, or measured at the start"), (SELFTEST, "From a self-test now (5 s)")]
 
 
 def _scenarios(_: str) -> Sequence[Choice]:

@@ -34,7 +34,7 @@ class Ledger:
         self.path = state.folder() / name
         self._files: dict[str, str] = {}  # path: SHA-256
         self._folders: list[str] = []  # in the order in which they were made
-        self._left: set[Path] = set()  # folders from which a file was removed
+        self.removed_from: set[Path] = set()  # folders from which a file was removed
         if self.path.exists():
             if state.is_root():
                 state.check(self.path)
@@ -103,7 +103,7 @@ class Ledger:
         else:
             line = f"kept     {file}: it was changed since it was put there"
         del self._files[str(file)]
-        self._left.add(file.parent)
+        self.removed_from.add(file.parent)
         return line
 
     def remove_folders(self, own: Own) -> list[str]:
@@ -121,7 +121,7 @@ class Ledger:
             if folder.is_dir() and not others:
                 folder.rmdir()
                 lines.append(f"removed  {folder}")
-            elif others and folder in self._left:
+            elif others and folder in self.removed_from:
                 lines.append(f"kept     {folder}: it still has {', '.join(others)}")
         return lines
 

@@ -70,15 +70,15 @@ def remove(configuration: Path) -> Iterator[str]:
         except ElsewhereError as error:
             yield str(error)
     yield from ledger.remove_folders(own)
-    yield from left(copy)
+    yield from left(copy, ledger)
     ledger.save()
     forget(configuration)
     measurement.forget()
 
 
-def left(copy: Path) -> Iterator[str]:
-    """Yield a line about what is left of a copy: whenever somebody changes a setting, Wireshark writes files anew."""
-    if copy.is_dir():
+def left(copy: Path, ledger: Ledger) -> Iterator[str]:
+    """Yield a line about what is left of a removed copy: when a setting changes, Wireshark writes files anew."""
+    if copy in ledger.removed_from and copy.is_dir():
         cure = advice().remove.format(folder=shell_word(str(copy)))
         yield f"the rest of the profile was changed by Wireshark or by you: {cure}"
 

@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
         removed = ledger.is_empty or _remove(ledger, command.own_folders(), console)
         if profiles:
             personal.forget(profiles.parent)
-            for line in personal.left(profiles / profile.NAME):
+            for line in personal.left(profiles / profile.NAME, ledger):
                 print(visible(line))
         if removed:
             programs.forget()

@@ -122,8 +122,9 @@ class Pauses:
 
     _TOGETHER = 1024  # telegrams are sorted in groups: one by one takes several times as long
 
-    same_read: int = 0  # intervals whose two characters came in one read
-    _talkers: defaultdict[Talker, Pause] = field(default_factory=lambda: defaultdict(Pause))
+    count: int = 0  # intervals in telegrams
+    same_read: int = 0  # of these: whose two characters came in one read
+    talkers: defaultdict[Talker, Pause] = field(default_factory=lambda: defaultdict(Pause))
     _places: list[Distribution] = field(default_factory=lambda: [Distribution() for _ in range(2, MOST_PLACES + 1)])
     _waiting: defaultdict[int, list[list[float]]] = field(default_factory=lambda: defaultdict(list))  # by length
 
@@ -131,19 +132,22 @@ class Pauses:
     _total_s: float = 0.0  # of all intervals
 
     def add(self, packets: Sequence[Packet]) -> None:
-        """Count the telegrams of packets that say the same; where characters were lost, no interval is known."""
+        """Count the telegrams of packets that say the same, unless characters were lost or all came in one read."""
         packet = packets[0]
         if packet.errors & LOST or not packet.telegrams:
             return
-        self._total_s += sum(one.length_s for one in packets)
+        self.count += sum(len(one.intervals_s) for one in packets)
         self.same_read += packet.same_read * len(packets)
+        if packet.is_of_one_read:
+            return
+        self._total_s += sum(one.length_s for one in packets)
         telegram = packet.telegrams[0]
         if len(packet.telegrams) > 1 or not telegram.good:
             for one in packets:
                 self._others.add(one.intervals_s)
             return
         if telegram.talker is not None:
-            self._talkers[Talker(telegram.talker, packet.baud or 0)].add(packets)
+            self.talkers[Talker(telegram.talker, packet.baud or 0)].add(packets)
         for one in packets:
             self._wait(one.intervals_s)
 
@@ -163,32 +167,18 @@ class Pauses:
                 last.add(intervals_s)
         self._waiting.clear()
 
-    @property
-    def count(self) -> int:
-        """Return how many intervals there are."""
-        self._sort()
-        return sum(place.count for place in [*self._places, self._others])
-
-    @property
-    def are_known(self) -> bool:
-        """Whether the length of any interval is known: in a log, whose telegrams come as wholes, none is."""
-        return not 0 < self.count <= self.same_read
-
-    @property
-    def talkers(self) -> dict[Talker, Pause]:
-        """Return what is known of the intervals of each talker."""
-        return self._talkers if self.are_known else {}
-
     def longest_s(self, station: int) -> float:
         """Return the longest interval of a station; 0: not known."""
         return max((one.longest_s for talker, one in self.talkers.items() if talker.station == station), default=0.0)
 
     @property
     def intervals(self) -> Distribution:
-        """Return all intervals inside telegrams that are known."""
-        return Distribution.union([*self._places, self._others] if self.are_known else [], self._total_s)
+        """Return all intervals inside telegrams, except for those that came in one read as a whole."""
+        self._sort()
+        return Distribution.union([*self._places, self._others], self._total_s)
 
     @property
     def places(self) -> dict[int, Distribution]:
         """Return the intervals before each character, from the second on, that telegrams had."""
-        return {number: place for number, place in enumerate(self._places, 2) if self.are_known and place.count}
+        self._sort()
+        return {number: place for number, place in enumerate(self._places, 2) if place.count}

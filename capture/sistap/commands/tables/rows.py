@@ -145,7 +145,7 @@ def _own(packet: Packet, telegram: Telegram, epoch_ns: int) -> dict[str, Any]:
         "reaction_s": reaction.time_s or None,
         "trs_limit_s": reaction.limit_s,
         "trs_verdict": _VERDICTS.get(reaction.verdict),
-        "longest_interval_s": (packet.same_read < len(packet.intervals_s) and pause.time_s) or None,
+        "longest_interval_s": None if packet.is_of_one_read else pause.time_s or None,
         "tza_limit_s": pause.limit_s,
         "tza_verdict": _VERDICTS.get(pause.verdict),
         "cycle_s": cycle.time_s or None,

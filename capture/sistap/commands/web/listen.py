@@ -22,7 +22,6 @@ from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.line.clock import CLOCK
 from sistap.tap.line.ports import Adapter
 from sistap.tap.line.reader import PortLost, latency
-from sistap.tap.line.reader.computer import Still
 from sistap.tap.line.reader.latency import Known
 from sistap.tap.line.settings import Flag, Happening, LineSettings, Notice, Read
 from sistap.tap.records.counters import Counters
@@ -120,7 +119,7 @@ class WebReader:
 
     def _bound(self, late_ns: int) -> tuple[int, latency.Bound]:
         """Return how late a character can be seen in ns, and how that comes about."""
-        known = Known(Still(late_ns + BROWSER_NS), "measured in the page, with 5 ms for the browser", [])
+        known = Known(late_ns + BROWSER_NS, "measured in the page, with 5 ms for the browser", [])
         bound = latency.bound(known, self.name, self._behind, self.settings)
         return bound.ns(known.machine_ns), bound
 

@@ -201,6 +201,11 @@ class Packet:
         return self.type == EVENT and self.event == Event.CAPTURE_STARTED and KEPT in self.text
 
     @property
+    def is_of_one_read(self) -> bool:
+        """Tell whether it came as a whole, as all of a log does: the length of none of its intervals is known."""
+        return 0 < len(self.intervals_s) <= self.same_read
+
+    @property
     def end_s(self) -> float:
         """Return the time of its last character."""
         return self.time_s + self.length_s

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from sistap.tap.capture.rate import Scan
 from sistap.tap.line import others
-from sistap.tap.line.settings import LineSettings
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Framing
 from sistap.tap.sis.rates import RATES
@@ -107,14 +107,15 @@ class Exactness:
     """Says when the times of a port have become much more or less exact."""
 
     PATIENCE_S = 10.0  # until its first sentence; then twice as long each time, for a computer that is never quiet
+    LONGEST_S = 300.0
     LEAST_NS = 1_000_000  # a smaller change decides no verdict
 
-    def __init__(self, name: str, uncertainty_ns: int) -> None:
-        """Begin with what holds when the capture starts."""
+    def __init__(self, name: str, uncertainty_ns: int, elapsed_s: float = 0) -> None:
+        """Begin with what holds now."""
         self._name = name
         self._said_ns = uncertainty_ns
         self._patience_s = self.PATIENCE_S
-        self._due_s = self._patience_s
+        self._due_s = elapsed_s + self._patience_s
 
     def look(self, uncertainty_ns: int, elapsed_s: float) -> str:
         """Return what is new, with the bound that holds now; "" if it is about the same, or was said just before."""
@@ -123,13 +124,16 @@ class Exactness:
             return ""
         busy = "busier" if uncertainty_ns == large else "less busy"
         text = (
-            f"{self._name}: uncertainty {uncertainty_ns / 1e6:.2f} ms now, {self._said_ns / 1e6:.2f} ms before: "
-            f"this computer is {busy}"
+            f"{self._name}: uncertainty {_ms(uncertainty_ns)} now, {_ms(self._said_ns)} before: this computer is {busy}"
         )
         self._said_ns = uncertainty_ns
-        self._patience_s *= 2
+        self._patience_s = min(2 * self._patience_s, self.LONGEST_S)
         self._due_s = elapsed_s + self._patience_s
         return text
+
+
+def _ms(ns: int) -> str:
+    return "unknown" if ns >= UNCERTAINTY_UNKNOWN else f"{ns / 1e6:.2f} ms"
 
 
 def _diagnose_search(counters: Counters, elapsed_s: float, scan: Scan) -> str | None:

@@ -72,7 +72,7 @@ class Capture:
         self._reopen = reopen
         self._lost: dict[Reader, int] = {}  # they may come back; the time of each loss
         self._tap = Tap(readers, sink, counters, clock_ns, conditions)
-        self._exactness: dict[Reader, Exactness] = {}
+        self._exactness: dict[int, Exactness] = {}  # of each line
         self._steering = self._steering_of(readers[0].settings)
         self._steps: list[Step] = []  # not done yet
         # the reason for new settings; without another reason the tap has changed them
@@ -123,6 +123,8 @@ class Capture:
         self._tap.begin(started, self._conditions.limits)
         self._started_ns = self._clock_ns()
         self._tick_ns = self._started_ns + TICK_NS
+        for reader in self._readers:
+            self._watch(reader)
 
     def announce(self) -> None:
         """Say what is captured."""
@@ -216,6 +218,7 @@ class Capture:
             del self._lost[lost]
             self._readers.append(reader)
             self._tap.replace(lost, reader)
+            self._watch(reader)
             away_s = (self._clock_ns() - since_ns) / 1e9
             text = f"{reader.name} is back after {away_s:.1f} s; what came meanwhile is missing"
             self._tap.note(reader.line, Event.CHARACTERS_LOST, text)
@@ -335,14 +338,19 @@ class Capture:
         for reader in self._readers:
             for hint in self._tap.hints(reader, elapsed_s, searching):
                 self._advise(reader, hint)
-            if isinstance(reader, Exact):
-                exactness = self._exactness.setdefault(reader, Exactness(reader.name, reader.uncertainty_ns))
-                if changed := exactness.look(reader.uncertainty_ns, elapsed_s):
-                    self._advise(reader, changed)
+            if isinstance(reader, Exact) and (
+                changed := self._exactness[reader.line].look(reader.uncertainty_ns, elapsed_s)
+            ):
+                self._advise(reader, changed)
         if self._readers and self._steering and (doubt := self._steering.take_hint()):
             self._advise(self._readers[0], doubt)
         if self._progress:
             self._console.progress(str(self.counters))
+
+    def _watch(self, reader: Reader) -> None:
+        """Watch how exact the times of a port are from now on."""
+        if isinstance(reader, Exact):
+            self._exactness[reader.line] = Exactness(reader.name, reader.uncertainty_ns, self._elapsed_s())
 
     def _advise(self, reader: Reader, hint: str) -> None:
         """Report a hint, also in the capture: whoever reads that later sees no messages."""

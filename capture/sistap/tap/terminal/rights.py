@@ -9,7 +9,7 @@ import shutil
 
 from sistap.tap.terminal.state import is_root
 
-_WITH_SUDO = re.compile(r"`([^`]*)\bsudo ([^`]*)`")
+_COMMAND = re.compile(r"`[^`]*`")
 
 
 def needs_sudo() -> bool:
@@ -21,5 +21,10 @@ def as_typed(text: str) -> str:
     """Return a message with its commands as this user types them, or root for this user."""
     if "sudo" not in text or needs_sudo():
         return text
-    text = _WITH_SUDO.sub(r"`\1\2`" if is_root() else r"`\1\2` as root", text)
+    text = _COMMAND.sub(_without_sudo, text)
     return text.replace("with sudo", "as root").replace("$USER", os.environ.get("USER", "NAME"))
+
+
+def _without_sudo(command: re.Match[str]) -> str:
+    typed = re.sub(r"\bsudo ", "", command[0])
+    return typed if is_root() or typed == command[0] else f"{typed} as root"

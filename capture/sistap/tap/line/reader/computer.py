@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How late this computer sees a character: measured for a moment before a capture, and then all the time.
+"""How late this computer sees a character, measured for a moment before a capture.
 
 The measurement uses a pseudo terminal of our own, or a socket where there is none.
 """
@@ -13,8 +13,7 @@ import sys
 import threading
 import time
 from array import array
-from contextlib import suppress
-from typing import NamedTuple, Protocol
+from contextlib import closing, suppress
 
 from sistap.tap.line.clock import monotonic_ns
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN
@@ -23,37 +22,21 @@ MEASURE_NS = 200_000_000
 _PATIENCE_S = 1.0  # longest wait for a byte
 
 
-class Delay(Protocol):
-    """How late characters are seen."""
-
-    @property
-    def late_ns(self) -> int:
-        """Return the bound that holds now, in ns."""
-
-
-class Still(NamedTuple):
-    """A bound that nobody measures again."""
-
-    late_ns: int
-
-
 @functools.cache
-def computer(*, at_once: bool = True) -> Delay:
-    """Return this computer's delay, the same for all ports. `at_once`: first measure it for MEASURE_NS.
+def measured_ns() -> int:
+    """Measure once, for MEASURE_NS, how late this computer sees a character; UNCERTAINTY_UNKNOWN if it cannot.
 
-    There are fewer than a thousand first samples, so their p99.9 is the largest. UNCERTAINTY_UNKNOWN if nothing can be
-    measured. Windows cannot wait for a port and a socket at once: there the first measurement stays.
+    There are fewer than a thousand samples, so their p99.9 is the largest. On Windows nothing is measured afterwards:
+    it cannot wait for a port and a socket at once.
     """
     with suppress(OSError):
         if sys.platform == "win32":
-            return Still(max(through_socket(MEASURE_NS), default=UNCERTAINTY_UNKNOWN) if at_once else 0)
-        from sistap.tap.line.reader import delay
+            return max(through_socket(MEASURE_NS), default=UNCERTAINTY_UNKNOWN)
+        from sistap.tap.line.reader.delay import Computer
 
-        measured = delay.Computer()
-        if at_once:
-            measured.measure(MEASURE_NS)
-        return measured
-    return Still(UNCERTAINTY_UNKNOWN)
+        with closing(Computer()) as computer:
+            return computer.measure(MEASURE_NS)
+    return UNCERTAINTY_UNKNOWN
 
 
 def through_socket(duration_ns: int) -> array[int]:

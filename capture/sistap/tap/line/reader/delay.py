@@ -15,13 +15,11 @@ import threading
 import time
 import tty
 from array import array
-from bisect import bisect_left, insort
 from collections import deque
-from collections.abc import Iterable
 from contextlib import suppress
 
 from sistap.tap.line.clock import monotonic_ns
-from sistap.tap.line.reader.contract import READ_SIZE
+from sistap.tap.line.reader.contract import READ_SIZE, STEP_MS
 from sistap.tap.line.settings import Read
 
 if sys.platform == "win32":
@@ -29,8 +27,8 @@ if sys.platform == "win32":
 
 PATIENCE_NS = 1_000_000_000  # longest time for a character to come back
 
-KEPT = 1000  # delays of a Computer, of about ten seconds
-_PAUSES_S = (0.005, 0.015)  # at random, so that no rhythm of the computer can match
+KEPT = 1000  # delays of a Computer: those of five to ten seconds
+_PAUSES_S = (0.005, 0.015)  # between its characters; at random, so that no rhythm of the computer can match
 
 # the characters sent: never FF, which a port would escape, and never a start character of SIS
 _FIRST, _VALUES = ord("@"), 63
@@ -106,61 +104,76 @@ def _characters(start: int, count: int) -> bytes:
 
 
 class Computer:
-    """Sends characters to itself and sees them as late as those of a port: whoever polls ports polls this, too.
+    """Sends characters to itself and sees them as late as those of a port: whoever polls a port polls this, too.
 
     The sender is the thread that polls: another one would hold Python's lock while it waits for a processor, and that
-    would count. Its bound is p99.9 of the last KEPT characters, or the delay of the very last one, if that is longer.
+    would count. For most of the time no character is under way, so a sleep that lasts too long counts as well. The
+    bound is the longest of the last KEPT delays: with a chance of 1 in KEPT + 1, the next one is longer.
     """
 
-    def __init__(self, delays: Iterable[int] = ()) -> None:
-        """Begin with delays in ns, if some are known. OSError without a pseudo terminal."""
+    def __init__(self, *delays_ns: int) -> None:
+        """Begin with delays, if some are known. OSError without a pseudo terminal."""
         self._master, self._slave = pty.openpty()
         tty.setraw(self._slave)
         os.set_blocking(self._slave, False)
-        self._delays = deque(delays, KEPT)
-        self._ordered = sorted(self._delays)
-        self._last_ns = 0
+        self._count = 0  # of all delays
+        self._longest: deque[tuple[int, int]] = deque()  # those with no longer one after them: number, ns
         self._random = random.Random()  # of its own: a program may seed the common one
         self._due_ns = 0  # when the next character is sent, at the earliest
         self._sent_ns = 0  # when the one was sent that nobody has seen; 0: there is none
+        for delay_ns in delays_ns:
+            self.note(delay_ns)
 
-    def measure(self, duration_ns: int) -> None:
-        """Measure often for a while, before anybody polls. OSError if a character does not come back."""
+    def close(self) -> None:
+        """Close the pseudo terminal."""
+        os.close(self._master)
+        os.close(self._slave)
+
+    def measure(self, duration_ns: int) -> int:
+        """Measure often for a while, before anybody polls; return the bound in ns."""
         poll = select.poll()
         poll.register(self._slave, select.POLLIN)
         end_ns = monotonic_ns() + duration_ns
-        while (now_ns := monotonic_ns()) < end_ns:
-            self.before_sleep(now_ns)
-            if not poll.poll(PATIENCE_NS // 1_000_000):
-                raise LoopBroken("a character that was sent did not come back within a second")
-            self.read_now(1)
-            self._due_ns = 0
+        while not self._longest or monotonic_ns() < end_ns:
+            self.before_sleep(self._due_ns)
+            if poll.poll(PATIENCE_NS // 1_000_000):
+                self.read_now(1)
+            else:
+                self.note(PATIENCE_NS)
             time.sleep(self._random.uniform(0.0002, 0.0008))
+        return self.late_ns
 
     @property
     def late_ns(self) -> int:
         """Return the bound that holds now, in ns."""
-        count = (len(self._ordered) * 999 + 999) // 1000  # all of less than a thousand
-        return max(self._ordered[count - 1] if count else 0, self._last_ns)
+        waiting_ns = monotonic_ns() - self._sent_ns if self._sent_ns else 0
+        return max(self._longest[0][1] if self._longest else 0, waiting_ns)
 
     def fileno(self) -> int:
         """Return the descriptor to poll."""
         return self._slave
 
-    def before_sleep(self, now_ns: int) -> None:
-        """Send a character now and then, one at a time. Whoever calls this polls at once, and sleeps until it comes."""
-        if now_ns < self._due_ns or self._sent_ns:
-            return
+    def before_sleep(self, now_ns: int) -> int:
+        """Send a character now and then, one at a time. Return how long to sleep until the next one, at most, in ms.
+
+        Whoever calls this polls at once, and sleeps until the character comes.
+        """
+        if self._sent_ns:
+            return STEP_MS
+        if now_ns < self._due_ns:
+            return -((now_ns - self._due_ns) // 1_000_000)  # rounded up
         self._due_ns = now_ns + int(self._random.uniform(*_PAUSES_S) * 1e9)
-        self._sent_ns = monotonic_ns()
-        os.write(self._master, b"@")
+        with suppress(OSError):  # no measurement ends a capture
+            self._sent_ns = monotonic_ns()
+            os.write(self._master, b"@")
+        return STEP_MS
 
     def read_now(self, slept_ns: int) -> list[Read]:
         """Note how late a character is seen, if the process slept until it came."""
-        with suppress(BlockingIOError):  # several threads may poll
+        with suppress(OSError):
             os.read(self._slave, READ_SIZE)
             if slept_ns:
-                self._note(monotonic_ns() - self._sent_ns)
+                self.note(monotonic_ns() - self._sent_ns)
             self._sent_ns = 0
         return []
 
@@ -172,9 +185,11 @@ class Computer:
         """Return nothing: no character is for others."""
         return []
 
-    def _note(self, delay_ns: int) -> None:
-        if len(self._delays) == KEPT:
-            del self._ordered[bisect_left(self._ordered, self._delays[0])]
-        self._delays.append(delay_ns)
-        insort(self._ordered, delay_ns)
-        self._last_ns = delay_ns
+    def note(self, delay_ns: int) -> None:
+        """Count a delay: of a character, or of a sleep that should have ended earlier."""
+        self._count += 1
+        while self._longest and self._longest[-1][1] <= delay_ns:
+            self._longest.pop()
+        self._longest.append((self._count, delay_ns))
+        if self._longest[0][0] <= self._count - KEPT:
+            self._longest.popleft()

@@ -17,10 +17,10 @@ from sistap.tap.line.reader.contract import READ_SIZE, PortLost
 from sistap.tap.line.reader.delay import Computer
 from sistap.tap.line.reader.errors import Counts, Errors
 from sistap.tap.line.reader.opening import change_device, open_device, true_rate
-from sistap.tap.line.reader.several import Beside, PolledReaders
+from sistap.tap.line.reader.several import PolledReaders
 from sistap.tap.line.reader.trouble import lost_text
 from sistap.tap.line.reader.tuning import Tuning
-from sistap.tap.line.settings import Flag, LineSettings, Read
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings, Read
 
 if sys.platform == "win32":
     raise ImportError("Windows has no terminals: sistap.tap.windows reads its ports")
@@ -42,7 +42,7 @@ class PosixReader:
         self.settings = settings
         self.line = line
         pseudo_terminal = ports.adapter(port).pseudo_terminal
-        self._known = latency.known()  # before opening: the port would fill during this measurement
+        known = self._known = latency.known()  # before opening: the port would fill during this measurement
         shared = others.look(port)
         self._serial = open_device(port, settings, pseudo_terminal)
         self._lost = lost_text(port, pseudo_terminal=pseudo_terminal)
@@ -52,7 +52,7 @@ class PosixReader:
         termios.tcflush(self._fd, termios.TCIFLUSH)  # tuning may clear a FIFO: a gap without a flag
         self._behind = ports.adapter(port)  # after tuning
         self.adapter = str(self._behind)
-        bound = self._bound = latency.bound(self._known, port, self._behind, settings)
+        bound = self._bound = latency.bound(known, port, self._behind, settings)
         rate = true_rate(self._fd, port, settings)
         rates = [f"the port really runs at {rate} Bd"] if rate != settings.baud else []
         tells = self._behind.tells
@@ -63,6 +63,7 @@ class PosixReader:
         counters = partial(_error_counters, self._fd)  # without self: that would be a cycle, which nobody frees
         self._errors = Errors(counters, tells)
         self._alone: PolledReaders | None = None  # it polls this reader, if nobody else does
+        self.beside = None if known.machine_ns >= UNCERTAINTY_UNKNOWN else Computer(known.machine_ns)
 
     def read(self, timeout_s: float) -> Read | None:
         """Return what arrived; None if nothing arrived in that time. May raise PortLost."""
@@ -70,15 +71,13 @@ class PosixReader:
         return self._alone.read(timeout_s)
 
     @property
-    def beside(self) -> Beside | None:
-        """Return what is polled together with this port, to know how late it is read."""
-        computer = self._known.computer
-        return computer if isinstance(computer, Computer) else None
-
-    @property
     def uncertainty_ns(self) -> int:
         """Return how late a character can be seen, as far as is known now."""
-        return self._bound.ns(self._known.machine_ns)
+        return self._bound.ns(self._machine_ns)
+
+    @property
+    def _machine_ns(self) -> int:
+        return self.beside.late_ns if self.beside else self._known.machine_ns
 
     def fileno(self) -> int:
         """Return the descriptor, for a caller that polls several ports and then calls take() and nothing_until()."""
@@ -119,7 +118,7 @@ class PosixReader:
         # A worker of the kernel passes characters on. A busy process can keep the processor from it. So what comes at
         # once when this process sleeps may have come before. And if characters come without a sleep, the worker has had
         # the processor since the last read, but perhaps not until this one.
-        in_time = slept_ns >= self._known.machine_ns and not decoder.pending
+        in_time = slept_ns >= self._machine_ns and not decoder.pending
         if in_time:
             self._emptied_ns = asked_ns - slept_ns
         characters, flags = decoder.feed(data)
@@ -145,6 +144,9 @@ class PosixReader:
         self._alone = None  # otherwise a cycle
         self._tuning.undo()
         self._serial.close()
+        if self.beside:
+            self.beside.close()
+            self.beside = None
 
 
 def _error_counters(fd: int) -> Counts | None:

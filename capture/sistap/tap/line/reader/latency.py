@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+import sys
 from typing import NamedTuple
 
 from sistap.tap.line import measurement, ports
 from sistap.tap.line.ports import Adapter
-from sistap.tap.line.reader.computer import Delay, Still, computer
+from sistap.tap.line.reader.computer import measured_ns
 from sistap.tap.line.reader.contract import STEP_MS
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 
@@ -15,20 +16,16 @@ from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 # case, the first of trigger - 1 characters has waited for trigger - 2 more.
 _FIFO_TIMEOUT_CHARACTERS = 4
 
+_SINCE = "" if sys.platform == "win32" else " and ever since"  # by the Computer of a reader
+
 
 class Known(NamedTuple):
     """What is known before a port is opened: the delay of this computer, and the self-tests."""
 
-    computer: Delay
+    machine_ns: int
     how: str  # "measured when the capture started"
     results: list[measurement.Result]
     notes: tuple[str, ...] = ()
-    least_ns: int = 0  # by a self-test of this computer
-
-    @property
-    def machine_ns(self) -> int:
-        """Return how late this computer sees a character, as far as is known now."""
-        return max(self.computer.late_ns, self.least_ns)
 
 
 class Bound(NamedTuple):
@@ -45,14 +42,13 @@ class Bound(NamedTuple):
 
 
 def known() -> Known:
-    """Take the computer's part from a self-test that holds here, else measure it at once. Then it is measured on."""
+    """Take the computer's part from a self-test that holds here, else measure it at once."""
     results, trouble = measurement.load()
     result, misfit = measurement.fitting(results, measurement.MACHINE, measurement.conditions())
     notes = tuple(note for note in (trouble, misfit) if note)
     if result:
-        how = f"measured by selftest on {result.date}"
-        return Known(computer(at_once=False), how, results, notes, result.p999_ns)
-    return Known(computer(), "measured when the capture started", results, notes)
+        return Known(result.p999_ns, f"measured by selftest on {result.date}{_SINCE}", results, notes)
+    return Known(measured_ns(), f"measured when the capture started{_SINCE}", results, notes)
 
 
 def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> Bound:
@@ -65,9 +61,8 @@ def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> 
     notes = (*before.notes, misfit) if misfit else before.notes
     held_ns, why = _held(behind, settings)
     least_ns = result.p999_ns if result else 0
-    on = "" if isinstance(before.computer, Still) else " and ever since"
     if result and least_ns >= held_ns + machine_ns:
-        how = f"uncertainty {_ms(least_ns)}, measured by selftest of the port on {result.date}{on}"
+        how = f"uncertainty {_ms(least_ns)}, measured by selftest of the port on {result.date}{_SINCE}"
         return Bound(held_ns, least_ns, how, notes)
     parts = f": {why} and {_ms(machine_ns)}" if why else ""
     silent = not result and not why and behind.fifo_trigger is None and not behind.pseudo_terminal
@@ -75,7 +70,7 @@ def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> 
     if silent:
         unknown = "; what the adapter adds is not known"
         notes = (*notes, _unknown(port))
-    return Bound(held_ns, least_ns, f"uncertainty {_ms(held_ns + machine_ns)}{parts}, {before.how}{on}{unknown}", notes)
+    return Bound(held_ns, least_ns, f"uncertainty {_ms(held_ns + machine_ns)}{parts}, {before.how}{unknown}", notes)
 
 
 def uncertainty_ns(  # noqa: PLR0913 - everything known about a read

@@ -57,8 +57,11 @@ class Polled(Protocol):
 class Beside(Polled, Protocol):
     """What is polled together with a port, and knows when the caller is about to sleep."""
 
-    def before_sleep(self, now_ns: int) -> None:
-        """Do what has to be done before a sleep."""
+    def before_sleep(self, now_ns: int) -> int:
+        """Do what has to be done before a sleep. Return how long it may last, at most, in ms."""
+
+    def note(self, delay_ns: int) -> None:
+        """Note that a sleep until nothing came lasted so much too long."""
 
 
 @runtime_checkable
@@ -114,7 +117,7 @@ class PolledReaders:
         assert isinstance(reader, Pollable)
         if reader.beside:
             self._beside.add(reader.beside)
-        for polled in filter(None, (reader.beside, reader)):  # poll returns them in this order
+        for polled in _both(reader):
             self._readers[polled.fileno()] = polled
             self._poll.register(polled.fileno(), _TO_READ)
 
@@ -131,23 +134,25 @@ class PolledReaders:
         return None
 
     def _wait(self, timeout_s: float) -> None:
-        left_ms, step_ms = timeout_s * 1000, 0.0
+        end_ns, step_ms = monotonic_ns() + int(timeout_s * 1e9), 0
         while not self._look(step_ms):
+            left_ms = -((monotonic_ns() - end_ns) // 1_000_000)  # rounded up
             if left_ms <= 0:
                 return
             step_ms = min(STEP_MS, left_ms)
-            left_ms -= step_ms
 
-    def _look(self, step_ms: float, *, has_slept: bool = False) -> bool:
+    def _look(self, step_ms: int, *, has_slept: bool = False) -> bool:
         """Take what comes within the step; tell whether anything did. `has_slept`: the process has, just before."""
         asked_ns = monotonic_ns()
         for beside in self._beside if step_ms else ():
-            beside.before_sleep(asked_ns)
+            step_ms = min(step_ms, beside.before_sleep(asked_ns))
         ready = [descriptor for descriptor, _ in self._poll.poll(step_ms)]
         slept_ns = max(monotonic_ns() - asked_ns, 1) if step_ms else 0
         for descriptor in ready:  # before anything else: it gets its time here
             self._take(descriptor, slept_ns)
-        silent_ns = asked_ns if ready else asked_ns + int(step_ms * 1e6)  # poll looks once more when its time is up
+        for beside in self._beside if step_ms and not ready else ():
+            beside.note(slept_ns - step_ms * 1_000_000)
+        silent_ns = asked_ns if ready else asked_ns + step_ms * 1_000_000  # poll looks once more when its time is up
         for descriptor in self._readers.keys() - ready:
             self._reads.extend(self._readers[descriptor].nothing_until(silent_ns, slept_ns or int(has_slept)))
         if slept_ns and ready and len(self._readers) > 1:
@@ -155,12 +160,22 @@ class PolledReaders:
         return bool(self._reads or self._lost)
 
     def _take(self, descriptor: int, slept_ns: int) -> None:
+        reader = self._readers[descriptor]
         try:
-            self._reads.extend(self._readers[descriptor].read_now(slept_ns))
+            self._reads.extend(reader.read_now(slept_ns))
         except PortLost as lost:
-            self._poll.unregister(descriptor)
-            del self._readers[descriptor]
+            assert isinstance(reader, Pollable)
+            if reader.beside:
+                self._beside.discard(reader.beside)
+            for polled in _both(reader):
+                self._poll.unregister(polled.fileno())
+                del self._readers[polled.fileno()]
             self._lost.append(lost)
+
+
+def _both(reader: Pollable) -> tuple[Polled, ...]:
+    """Return what is polled for a reader, in the order in which poll returns it."""
+    return (reader.beside, reader) if reader.beside else (reader,)
 
 
 class ThreadedReaders:
