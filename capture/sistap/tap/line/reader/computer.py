@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How late this computer sees a character, measured for a moment before a capture.
-
-The measurement uses a pseudo terminal of our own, or a socket where there is none.
-"""
+"""How late this computer sees a character, measured before a capture: by a pseudo terminal or a socket."""
 
 from __future__ import annotations
 
