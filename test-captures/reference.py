@@ -268,6 +268,8 @@ def elements(body: bytes) -> Iterator[tuple[int, bytes]]:
 def _take_list(body: Body, size: int) -> None:
     """Take a list of services; the reaction has the elements of the command in their order (chapter 7.1)."""
     asked = list(elements(body.asked or b""))
+    notes = body.decoded.notes
+    overall = notes.pop(_STATUS_NOTES[0], False)
     for number, (service, inner) in enumerate(elements(body.left[:size])):
         body.add("element_length")
         body.add("service")
@@ -279,6 +281,9 @@ def _take_list(body: Body, size: int) -> None:
         else:
             _take_service(part)
         body.at = part.end
+    said = {notes.get(name, False) for name in _STATUS_NOTES}
+    if overall and True not in said:  # an element that says what went wrong is the only item
+        body.decoded.note(_STATUS_NOTES[0], None if None in said else True)
     if body.left:
         body.status_open = body.decoded.parameter_open = True
         body.leave()

@@ -205,6 +205,7 @@ def test_an_emergency_stop_begins_with_the_first_drive_and_ends_with_the_last() 
     stop, *others = fold([*stops, *late], 1000, THRESHOLDS)
     assert (stop.kind, stop.stations, stop.from_s, stop.to_s) == ("estop", {3, 4, 5}, 1000, 2200)
     assert [(one.kind, one.from_s) for one in others] == [("fault", 5000)]  # alone; that at 1101 is told with them
+    assert kinds(*stops) == ["estop"]  # nothing has to come after it
 
 
 @pytest.mark.parametrize(

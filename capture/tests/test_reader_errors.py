@@ -110,6 +110,13 @@ def test_a_damaged_00_is_no_break() -> None:
     assert line.flags == [[0, BAD], [BREAK], [BAD | SOMEWHERE] * 2]  # one is a break: nobody knows which
 
 
+def test_a_break_that_was_not_counted_is_a_damaged_00() -> None:
+    line = Line()
+    line.read([BAD], parity=1)
+    line.read([BREAK])
+    assert line.flags == [[BAD], [BAD]]
+
+
 def test_marks_come_in_the_order_of_the_counts() -> None:
     """A damaged 00, and a break that is counted already: the first mark is not the break."""
     line = Line()
@@ -241,6 +248,9 @@ def test_an_error_that_comes_another_way_than_its_character() -> None:
     line.silence(SILENCE_NS)
     line.read([0])
     assert line.flags[4:] == [[SOMEWHERE], [0]]
+    line.read([BREAK], breaks=1)  # it is nothing else
+    line.read([0])
+    assert line.flags[6:] == [[BREAK], [0]]
 
 
 def test_a_process_that_never_sleeps_holds_nothing_for_long() -> None:

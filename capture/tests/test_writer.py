@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import platform
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatist
 from sistap.tap.files import writer
 from sistap.tap.files.output import Limits, Output
 from sistap.tap.files.pcapng import LINK_TYPES, LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
-from sistap.tap.files.writer import PcapngWriter
+from sistap.tap.files.writer import Blocks, PcapngWriter
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Event, Record, Type, event
@@ -115,6 +116,25 @@ def test_a_file_does_not_wait_for_ever(tmp_path: Path, monkeypatch: pytest.Monke
         writing.writer.write(telegram(command, NOW_NS))
     counts = [sum(one.type == Type.FRAME for one in records(blocks)) for blocks in writing.files()]
     assert len(counts) > 4 and max(counts) <= 20
+
+
+def test_a_full_file_takes_so_many_records_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(writer, "MOST_AWAITED", 10)
+    writing = Writing(tmp_path)
+    writing.writer.write(telegram(build(0x12, 16, 3), NOW_NS))
+    writing.writer.write(frame(2, NOW_NS))  # the file is full
+    for _ in range(12):
+        writing.writer.write(telegram(build(0x12, 16, 3), NOW_NS))
+    first, second = ([one for one in records(blocks) if one.type == Type.FRAME] for blocks in writing.files())
+    assert (len(first), len(second)) == (2 + 10, 2)
+
+
+def test_a_file_names_the_system_of_its_tap() -> None:
+    interfaces = {0: Interface(LINKTYPE_WIRESHARK_UPPER_PDU, "x")}
+    here = f"{platform.system()} {platform.release()}".encode()
+    assert here in Blocks(interfaces).section()
+    assert here not in Blocks(interfaces, "").section()  # a simulated one
+    assert b"Windows 11" in Blocks(interfaces, "Windows 11").section()
 
 
 def test_what_was_told_leaves_room_for_records(tmp_path: Path) -> None:
