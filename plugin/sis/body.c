@@ -272,6 +272,7 @@ sis_take_text(sis_body_t *body, int hf)
     text = sis_text(body->pinfo->pool, body->tvb, offset, length);
     body->item = proto_tree_add_string(body->tree, hf, body->tvb, offset, length, text);
     sis_say_words(body, ": \"", text, "\"", NULL);
+    body->text = text;
     body->offset = body->end;
 }
 

@@ -7,7 +7,7 @@
 #include "sis/exchange.h"
 #include "sis/names.h"
 
-typedef struct {
+typedef struct sis_body {
     const sis_telegram_t *telegram;
     tvbuff_t *tvb;
     packet_info *pinfo;
@@ -35,6 +35,11 @@ typedef struct {
     /* First pass, of a command: what the command before asked for, if it had the same bytes; else NULL */
     const sis_request_t *before;
     sis_record_t *record; /* of the whole telegram; NULL for a damaged one */
+    /* What this teaches, found while reading; the first pass takes it afterwards (learn.c). NULL: nothing. */
+    void (*learn)(struct sis_body *body);
+    tvbuff_t *data;   /* of an element of a parameter, complete; NULL: missing or incomplete */
+    const char *text; /* and their value as text, or another text that was read; NULL: none */
+    uint32_t phase;   /* of a reaction */
 } sis_body_t;
 
 /* Whether the telegram is a good one, whose exchange is known. */

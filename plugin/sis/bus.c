@@ -156,12 +156,12 @@ sis_bus_learn(sis_body_t *body)
 {
     const sis_telegram_t *telegram = body->telegram;
     const sis_request_t *first = body->is_reaction ? body->asked : body->request, *request = first;
-    sis_exchange_t *exchange = body->record != NULL ? body->record->exchange : NULL;
+    const sis_exchange_t *exchange = body->record->exchange;
     bool is_for_all = is_broadcast(sis_receiver_kind(telegram->receiver));
     struct sis_told *told;
     uint8_t address;
 
-    if (body->pinfo->fd->visited || exchange == NULL || request == NULL || telegram->subaddress_count > 0 ||
+    if (request == NULL || telegram->subaddress_count > 0 ||
         (is_for_all ? body->is_reaction : !body->is_reaction))
         return;
     if (body->is_reaction && (body->status != 0 || body->record->reaction_before != 0))

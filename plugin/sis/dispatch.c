@@ -4,6 +4,7 @@
 #include "sis/dispatch.h"
 
 #include "protocol/services.h"
+#include "sis/learn.h"
 #include "sis/names.h"
 #include "sis/sequence.h"
 #include "sis/services/services.h"
@@ -140,8 +141,8 @@ show_leftover(sis_body_t *body)
     body->offset = body->end;
 }
 
-void
-sis_dissect_body(sis_body_t *body)
+static void
+decode(sis_body_t *body)
 {
     body_dissector_t dissect = find_dissector_of(body->service);
 
@@ -155,8 +156,22 @@ sis_dissect_body(sis_body_t *body)
     if (!body->is_short && (body->status < 0xF0 || sis_left(body) > 0))
         (dissect != NULL ? dissect : dissect_undocumented)(body);
     mark_status(body);
+}
+
+/* Decodes it, learns from it, and shows what is known by then. */
+void
+sis_dissect_body(sis_body_t *body)
+{
+    bool has_exchange = sis_has_exchange(body);
+
+    decode(body);
+    if (has_exchange) {
+        sis_learn_body(body);
+        sis_show_switch(body);
+    }
     show_leftover(body);
-    sis_sequence_watch(body);
+    if (has_exchange)
+        sis_sequence_show(body);
 }
 
 static void

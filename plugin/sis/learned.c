@@ -3,8 +3,6 @@
  * when it was sent, so that all passes show the same. */
 #include "sis/learned.h"
 
-#include "parameters/text.h"
-
 sis_learned_t *
 sis_learned_of(sis_bus_t *bus)
 {
@@ -13,34 +11,37 @@ sis_learned_of(sis_bus_t *bus)
     return bus->learned;
 }
 
-sis_place_t
-sis_station_place(const sis_exchange_t *exchange, uint8_t device)
-{
-    sis_place_t place = {.path_length = exchange->path_length, .device = device};
-
-    memcpy(place.path, exchange->path, sizeof place.path);
-    return place;
-}
-
 static const sis_exchange_t *
 exchange_of(const sis_body_t *body)
 {
     return body->record != NULL ? body->record->exchange : NULL;
 }
 
+/* What was learned on the bus of an exchange. */
+static sis_learned_t *
+learned_by(const sis_exchange_t *exchange)
+{
+    return sis_learned_of(exchange->stream->bus);
+}
+
 sis_place_t
 sis_station_of(const sis_body_t *body, uint8_t device)
 {
     const sis_exchange_t *exchange = exchange_of(body);
+    sis_place_t place = {.device = device};
 
-    return exchange != NULL ? sis_station_place(exchange, device) : (sis_place_t){0};
+    if (exchange == NULL)
+        return (sis_place_t){0};
+    place.path_length = exchange->path_length;
+    memcpy(place.path, exchange->path, sizeof place.path);
+    return place;
 }
 
 /* First pass: what is known when a command is sent. */
 static void
 look_up(sis_request_t *request, const sis_exchange_t *exchange, const sis_place_t *place, sis_ident_t ident)
 {
-    sis_learned_t *learned = sis_learned_of(exchange->stream->bus);
+    sis_learned_t *learned = learned_by(exchange);
     sis_twin_t twin = sis_learned_twin(learned, place, ident);
 
     request->known = sis_learned_find(learned, place, ident);
@@ -65,42 +66,32 @@ sis_station_known(sis_body_t *body, sis_ident_t ident, uint8_t device)
 }
 
 void
-sis_station_identify(const sis_body_t *body, sis_identity_t what, tvbuff_t *tvb)
+sis_station_complete(const sis_body_t *body, sis_known_t *known)
 {
-    const sis_exchange_t *exchange = exchange_of(body);
-    unsigned length = tvb_captured_length(tvb);
-    sis_place_t place;
+    sis_place_t place = sis_station_of(body, body->asked->device);
 
-    if (body->pinfo->fd->visited || exchange == NULL || body->asked == NULL || body->is_cut || length == 0)
-        return;
-    place = sis_station_place(exchange, body->asked->device);
-    sis_learned_identity(sis_learned_of(exchange->stream->bus), &place, what,
-                         sis_text(body->pinfo->pool, tvb, 0, length));
+    if (body->pinfo->fd->visited)
+        sis_learned_complete(learned_by(body->record->exchange), &place, body->asked->ident, known);
 }
 
 void
-sis_station_complete(const sis_body_t *body, sis_ident_t ident, uint8_t device, sis_known_t *known)
+sis_station_identify(const sis_body_t *body, sis_identity_t what)
 {
-    const sis_exchange_t *exchange = exchange_of(body);
     sis_place_t place;
 
-    if (!body->pinfo->fd->visited || exchange == NULL)
+    if (body->asked == NULL || body->is_cut || body->text == NULL)
         return;
-    place = sis_station_place(exchange, device);
-    sis_learned_complete(sis_learned_of(exchange->stream->bus), &place, ident, known);
+    place = sis_station_of(body, body->asked->device);
+    sis_learned_identity(learned_by(body->record->exchange), &place, what, body->text);
 }
 
 void
-sis_station_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t element, tvbuff_t *tvb,
-                  const char *shown)
+sis_station_learn(sis_body_t *body)
 {
-    const sis_exchange_t *exchange = exchange_of(body);
+    const sis_request_t *asked = body->asked;
+    sis_place_t place = sis_station_of(body, asked->device);
     sis_fact_t fact;
-    sis_place_t place;
 
-    if (body->pinfo->fd->visited || exchange == NULL ||
-        !sis_fact_read(&fact, body->pinfo->pool, element, tvb, shown))
-        return;
-    place = sis_station_place(exchange, device);
-    sis_learned_add(sis_learned_of(exchange->stream->bus), &place, ident, &fact);
+    if (sis_fact_read(&fact, body->pinfo->pool, (sis_element_t)asked->element, body->data, body->text))
+        sis_learned_add(learned_by(body->record->exchange), &place, asked->ident, &fact);
 }

@@ -7,8 +7,8 @@
 #include "parameters/learned.h"
 #include "sis/body.h"
 
-/* The device of a command. */
-sis_place_t sis_station_place(const sis_exchange_t *exchange, uint8_t device);
+/* What was learned on a bus. */
+sis_learned_t *sis_learned_of(sis_bus_t *bus);
 
 /* The device of a body of its station; without stations if these are unknown. */
 sis_place_t sis_station_of(const sis_body_t *body, uint8_t device);
@@ -16,17 +16,13 @@ sis_place_t sis_station_of(const sis_body_t *body, uint8_t device);
 /* What was known of a parameter of that station when its command was sent. */
 sis_known_t sis_station_known(sis_body_t *body, sis_ident_t ident, uint8_t device);
 
-/* Later passes: adds what the bus has said of it only afterwards. */
-void sis_station_complete(const sis_body_t *body, sis_ident_t ident, uint8_t device, sis_known_t *known);
+/* Later passes: adds what the bus has said only afterwards of the parameter that was asked for. */
+void sis_station_complete(const sis_body_t *body, sis_known_t *known);
 
-/* A good reaction tells the type of a device. */
-void sis_station_identify(const sis_body_t *body, sis_identity_t what, tvbuff_t *tvb);
+/* First pass: a good reaction has told the type of its device, as body->text. */
+void sis_station_identify(const sis_body_t *body, sis_identity_t what);
 
-/* What was learned on a bus. */
-sis_learned_t *sis_learned_of(sis_bus_t *bus);
-
-/* A reaction with an element of a parameter, with all its data; `shown` is its value as text. */
-void sis_station_learn(sis_body_t *body, sis_ident_t ident, uint8_t device, sis_element_t element,
-                       tvbuff_t *tvb, const char *shown);
+/* First pass: a reaction has brought an element of the parameter that was asked for. */
+void sis_station_learn(sis_body_t *body);
 
 #endif

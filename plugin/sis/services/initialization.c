@@ -192,5 +192,5 @@ sis_dissect_initialization(sis_body_t *body)
     } else if (!sis_take_channel_error(body)) {
         sis_take_error_byte(body, (uint8_t)subservice, sis_errors_initialization);
     }
-    sis_bus_learn(body);
+    body->learn = sis_bus_learn;
 }

@@ -14,4 +14,7 @@ void sis_dissect_initialization(sis_body_t *body);
 void sis_dissect_parameter(sis_body_t *body);
 void sis_dissect_phase(sis_body_t *body);
 
+/* Adds what the first pass knows of the phase switch that a reaction polls. */
+void sis_show_switch(sis_body_t *body);
+
 #endif
