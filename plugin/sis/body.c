@@ -131,6 +131,26 @@ sis_take_rest(sis_body_t *body, int hf)
     return true;
 }
 
+sis_request_t *
+sis_request_of(const sis_body_t *body)
+{
+    return body->is_reaction ? body->asked : body->request;
+}
+
+sis_request_t *
+sis_request_add(sis_body_t *body, uint8_t service)
+{
+    bool is_kept = sis_has_exchange(body) && body->asked == NULL;
+    const sis_request_t *same = body->same != NULL ? body->same->list : NULL;
+    sis_request_t **end = &body->request->list;
+
+    for (; *end != NULL; end = &(*end)->next)
+        same = same != NULL ? same->next : NULL;
+    *end = sis_request_new(is_kept ? wmem_file_scope() : body->pinfo->pool, service, same,
+                           is_kept && body->record->exchange->first != NULL);
+    return *end;
+}
+
 void
 sis_request_device(sis_body_t *body, uint32_t device)
 {

@@ -155,7 +155,7 @@ void
 sis_bus_learn(sis_body_t *body)
 {
     const sis_telegram_t *telegram = body->telegram;
-    const sis_request_t *first = body->is_reaction ? body->asked : body->request, *request = first;
+    const sis_request_t *first = sis_request_of(body), *request = first;
     const sis_exchange_t *exchange = body->record->exchange;
     bool is_for_all = is_broadcast(sis_receiver_kind(telegram->receiver));
     struct sis_told *told;

@@ -241,6 +241,8 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
         sis_is_answered(telegram->last_address) && telegram->service != SIS_TOKEN_PASSING;
     if (exchange->needs_reaction)
         find_repeat(exchange, from, tvb, telegram);
+    exchange->request =
+        sis_request_new(wmem_file_scope(), telegram->service, from->same, exchange->first != NULL);
     find_route(exchange, tvb, pinfo, telegram);
     if (before != NULL)
         follow_command(exchange, before, telegram);

@@ -55,47 +55,16 @@ sis_learn_telegram(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *tele
     return record;
 }
 
-/* A request again, because there was no good reaction to the one before: it is the same step of a transfer,
- * and writes the same. */
-static void
-take_over(sis_request_t *request, const sis_request_t *before)
-{
-    if (request->transfer == 0)
-        request->transfer = before->transfer;
-    if (request->written == NULL) {
-        request->written = before->written;
-        request->written_length = before->written_length;
-    }
-}
-
-/* `before`: the request of the command before, if it had the same bytes; else NULL. */
-static sis_request_t *
-keep_request(const sis_request_t *request, const sis_request_t *before, bool is_repeat)
-{
-    sis_request_t *copy;
-
-    if (request == NULL)
-        return NULL;
-    copy = wmem_memdup(wmem_file_scope(), request, sizeof *request);
-    if (before != NULL && (is_repeat || before->is_to_be_repeated))
-        take_over(copy, before);
-    copy->list = keep_request(request->list, before != NULL ? before->list : NULL, is_repeat);
-    copy->next = keep_request(request->next, before != NULL ? before->next : NULL, is_repeat);
-    return copy;
-}
-
 void
 sis_learn_body(sis_body_t *body)
 {
-    sis_exchange_t *exchange = body->record->exchange;
-
     if (body->pinfo->fd->visited)
         return;
     if (body->learn != NULL)
         body->learn(body);
     sis_sequence_learn(body);
     if (body->element == 0 && !body->is_reaction) {
-        exchange->request = keep_request(body->request, body->before, exchange->first != NULL);
+        body->request->is_read = true;
         sis_cycle_learn(body);
     }
 }

@@ -325,14 +325,29 @@ show_relations(const dissection_t *d)
         show_command(d, exchange);
 }
 
+/* The request of an exchange is written when its command is read for the first time. */
+static void
+set_request(sis_body_t *body, const sis_exchange_t *exchange)
+{
+    bool is_read = exchange != NULL && exchange->request->is_read;
+
+    if (is_read)
+        body->asked = exchange->request;
+    if (body->is_reaction)
+        return;
+    body->request = exchange != NULL && !is_read
+                        ? exchange->request
+                        : sis_request_new(body->pinfo->pool, body->service, NULL, false);
+    if (exchange != NULL)
+        body->same = sis_exchange_direction(exchange)->same;
+}
+
 /* Decodes the useful data, with data of their exchange. Returns words for the packet list. */
 static const char *
 dissect_useful_data(const dissection_t *d)
 {
     wmem_allocator_t *pool = d->pinfo->pool;
     const sis_telegram_t *telegram = d->telegram;
-    const sis_exchange_t *exchange = d->record->exchange;
-    sis_request_t request = {.service = telegram->service};
     sis_body_t body = {.telegram = telegram,
                        .tvb = d->tvb,
                        .pinfo = d->pinfo,
@@ -346,11 +361,9 @@ dissect_useful_data(const dissection_t *d)
                        .service = telegram->service,
                        .summary = wmem_strbuf_new(pool, sis_service_name(pool, telegram->service)),
                        .marks = d->marks,
-                       .request = telegram->is_reaction ? NULL : &request,
-                       .asked = exchange != NULL ? exchange->request : NULL,
-                       .before = exchange != NULL ? sis_exchange_direction(exchange)->same : NULL,
                        .record = telegram->is_good ? d->record : NULL};
 
+    set_request(&body, d->record->exchange);
     if (telegram->is_good)
         show_relations(d);
     sis_dissect_body(&body);

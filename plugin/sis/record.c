@@ -60,6 +60,21 @@ sis_make_rare(sis_record_t *record, unsigned element)
     return *link;
 }
 
+sis_request_t *
+sis_request_new(wmem_allocator_t *scope, uint8_t service, const sis_request_t *same, bool is_repeat)
+{
+    sis_request_t *request = wmem_new0(scope, sis_request_t);
+
+    request->service = service;
+    request->is_again = same != NULL && (is_repeat || same->is_to_be_repeated);
+    if (request->is_again) {
+        request->transfer = same->transfer;
+        request->written = same->written;
+        request->written_length = same->written_length;
+    }
+    return request;
+}
+
 sis_exchange_t *
 sis_exchange_above(const sis_exchange_t *exchange)
 {

@@ -8,7 +8,7 @@
 #include "sis/routes.h"
 #include "sis/telegram.h"
 
-/* What a command asks for. Its reaction repeats only part of it, so the exchange keeps it. */
+/* What a command asks for. Its reaction repeats only part of it. */
 typedef struct sis_request {
     uint8_t service;
     uint8_t subservice;
@@ -23,6 +23,8 @@ typedef struct sis_request {
     bool has_setting : 1;       /* of 0x03: complete data of the subservice */
     bool is_last : 1;           /* of a parameter: no more pieces follow */
     bool is_to_be_repeated : 1; /* its reaction refuses it, and the same will come again */
+    bool is_again : 1;          /* the command before was the same, without a good reaction: the same step */
+    bool is_read : 1;           /* all of it: the first pass has seen the command */
     uint16_t test_ms;
     sis_ident_t ident;
     uint32_t address; /* of the memory */
@@ -149,6 +151,11 @@ const sis_rare_t *sis_rare(const sis_record_t *record, unsigned element);
 
 /* First pass: the same, to write. */
 sis_rare_t *sis_make_rare(sis_record_t *record, unsigned element);
+
+/* A request of a service. `same`: the one of the command before, if that had the same bytes and this may be
+ * the same step of a transfer, which writes the same; else NULL. */
+sis_request_t *
+sis_request_new(wmem_allocator_t *scope, uint8_t service, const sis_request_t *same, bool is_repeat);
 
 /* The same exchange one level above and one level below, if there are routers; NULL: none is known. */
 sis_exchange_t *sis_exchange_above(const sis_exchange_t *exchange);

@@ -173,16 +173,7 @@ is_taken_before(const sis_body_t *body)
 
     if (body->is_reaction)
         return record->reaction_before != 0 || record->exchange->is_kept_reaction_seen;
-    return record->exchange->first != NULL || (body->before != NULL && body->before->is_to_be_repeated);
-}
-
-/* The transfer of the same step before; 0: none. */
-static uint32_t
-transfer_before(const sis_body_t *body)
-{
-    const sis_request_t *before = body->is_reaction ? body->asked : body->before;
-
-    return before != NULL ? before->transfer : 0;
+    return body->request->is_again;
 }
 
 static unsigned
@@ -285,7 +276,7 @@ static void
 note_repeated(const sis_body_t *body, const subject_t *subject)
 {
     const transfer_t *transfer = find_transfer(body->record->exchange, subject);
-    uint32_t number = transfer != NULL ? transfer->number : transfer_before(body);
+    uint32_t number = transfer != NULL ? transfer->number : sis_request_of(body)->transfer;
     sis_rare_t *rare;
 
     if (number == 0)
@@ -308,7 +299,7 @@ place_piece(const sis_body_t *body, const subject_t *subject, bool is_last)
 
     if (transfer == NULL)
         return 0;
-    (body->is_reaction ? body->asked : body->request)->transfer = transfer->number;
+    sis_request_of(body)->transfer = transfer->number;
     if (is_piece_missing(body->record, transfer) ||
         transfer->received + sis_left(body) > SIS_MOST_LIST + LENGTH_WORDS ||
         transfer->pieces == SIS_MOST_PIECES)
@@ -368,7 +359,7 @@ static unsigned
 learn_piece(const sis_body_t *body, bool is_last)
 {
     const sis_exchange_t *exchange = body->record->exchange;
-    subject_t subject = subject_of(body->is_reaction ? body->asked : body->request, is_in_list(body));
+    subject_t subject = subject_of(sis_request_of(body), is_in_list(body));
 
     if (sis_left(body) == 0 && find_transfer(exchange, &subject) == NULL &&
         !is_under_way_apart(exchange, &subject))
