@@ -4,7 +4,7 @@
 #ifndef SIS_ACCESS_H
 #define SIS_ACCESS_H
 
-#include "sis/learned.h"
+#include "sis/station.h"
 
 /* Received by the tap "sis_access" and by users of the field sis.access. */
 typedef struct {

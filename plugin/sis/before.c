@@ -15,7 +15,7 @@
 #include "parameters/ident.h"
 #include "parameters/values.h"
 #include "sis/bus.h"
-#include "sis/learned.h"
+#include "sis/station.h"
 
 #define LONGEST_LIMIT 512u                  /* bytes of a minimum or maximum */
 #define LONGEST_TEST  UINT64_C(65535000000) /* ns */

@@ -26,7 +26,7 @@ typedef struct sis_bus {
     wmem_map_t *last;                  /* command of each master */
     const struct sis_exchange *newest; /* command of all masters; NULL: none yet */
     /* Data of other files; each owner makes its own on first use. */
-    struct sis_learned *learned; /* learned.c */
+    struct sis_learned *learned; /* station.c */
     struct sis_told *told;       /* bus.c */
     struct sis_cycles *cycles;   /* cycle.c */
     wmem_list_t *open;           /* sequence.c */

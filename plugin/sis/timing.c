@@ -2,7 +2,7 @@
 /* Verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus is.
  *
  * A limit comes from a preference, else from the bus (bus.c), else from the user who captured. Without a
- * limit there is no verdict, nor if only packets have times. times.c computes the sis_verdicts. */
+ * limit there is no verdict, nor if only packets have times. times.c computes the verdicts. */
 #include "sis/timing.h"
 
 #include <math.h>

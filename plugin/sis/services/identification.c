@@ -4,7 +4,7 @@
 
 #include "protocol/limits.h"
 #include "protocol/services.h"
-#include "sis/learned.h"
+#include "sis/station.h"
 
 #define VERSION_LENGTH 5 /* "nnVmm" */
 

@@ -8,7 +8,7 @@
 #include "protocol/limits.h"
 #include "sis/access.h"
 #include "sis/export.h"
-#include "sis/learned.h"
+#include "sis/station.h"
 #include "sis/names.h"
 #include "sis/sequence.h"
 

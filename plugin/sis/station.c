@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* What the bus has said about the parameters of a telegram's station. Every command keeps what was known
  * when it was sent, so that all passes show the same. */
-#include "sis/learned.h"
+#include "sis/station.h"
 
 sis_learned_t *
 sis_learned_of(sis_bus_t *bus)
@@ -70,8 +70,7 @@ sis_station_complete(const sis_body_t *body, sis_known_t *known)
 {
     sis_place_t place = sis_station_of(body, body->asked->device);
 
-    if (body->pinfo->fd->visited)
-        sis_learned_complete(learned_by(body->record->exchange), &place, body->asked->ident, known);
+    sis_learned_complete(body->pinfo, learned_by(body->record->exchange), &place, body->asked->ident, known);
 }
 
 void

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* What the bus has said about the parameters of a telegram's station. */
 
-#ifndef SIS_LEARNED_H
-#define SIS_LEARNED_H
+#ifndef SIS_STATION_H
+#define SIS_STATION_H
 
 #include "parameters/learned.h"
 #include "sis/body.h"
