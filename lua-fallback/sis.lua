@@ -7740,7 +7740,7 @@ do
     if not device then return false end
     for _, identity in ipairs({"type key", "firmware"}) do
       if match(rest, "^ " .. identity .. " .") then
-        if not packet.visited then S.learned_identity(bus, path, device, identity, sub(rest, #identity + 3)) end
+        S.learned_identity(bus, path, device, identity, sub(rest, #identity + 3))
         return true
       end
     end
@@ -7749,7 +7749,7 @@ do
 
     if not ident or not elements[what] then return false end
     local is_fact, shown = elements[what](value, ident, S.learned_of(bus, path, ident, device))
-    if is_fact and shown and not packet.visited then S.learned_add(bus, path, ident, device, what, shown) end
+    if is_fact and shown then S.learned_add(bus, path, ident, device, what, shown) end
     return is_fact
   end
 
@@ -7775,18 +7775,16 @@ do
           rest = ""
         end
         if rest ~= "" and rest ~= " not accepted" then return false end
-        if not packet.visited then
-          local test_end = rest_of_test and rest_of_test > 0 and packet.time + rest_of_test or nil
+        local test_end = rest_of_test and rest_of_test > 0 and packet.time + rest_of_test or nil
 
-          S.bus_recall(told, address, known.kind, value, rest == "", test_end)
-        end
+        S.bus_recall(told, address, known.kind, value, rest == "", test_end)
         return true
       end
     end
     return false
   end
 
-  -- Learns from a line in the first pass. False: it is no fact.
+  -- First pass: learns from a line. False: it is no fact.
   local function take_fact(bus, line)
     if sub(line, 1, 3) == "all" then return take_setting(bus.told, K.ALL_STATIONS, sub(line, 4)) end
     local path, rest = take_path(line)
@@ -7806,20 +7804,25 @@ do
     return true
   end
 
-  function S.dissect_before(tvb, pinfo, tree)
-    local bytes, bus, facts, at = tvb:raw(), S.exchange_bus(), 0, 1
+  local facts -- by frame number: how many it told
 
+  at_init(function() facts = {} end)
+
+  function S.dissect_before(tvb, pinfo, tree)
+    local bytes, bus, number, at = tvb:raw(), S.exchange_bus(), packet.number, 1
+
+    facts[number] = facts[number] or 0
     while at <= #bytes do
       local finish = string.find(bytes, "\n", at, true) or #bytes + 1
       local line = sub(bytes, at, finish - 1)
 
       if line ~= "" then
-        if is_plain(line) and take_fact(bus, line) then facts = facts + 1 end
+        if not packet.visited and is_plain(line) and take_fact(bus, line) then facts[number] = facts[number] + 1 end
         if tree then tree:add_packet_field(F.told_before, tvb(at - 1, #line), ENC_UTF_8) end
       end
       at = finish + 1
     end
-    pinfo.cols.info = strformat("Told before: %d fact%s", facts, plural(facts))
+    pinfo.cols.info = strformat("Told before: %d fact%s", facts[number], plural(facts[number]))
   end
 end
 
