@@ -29,7 +29,7 @@ typedef struct sis_bus {
     struct sis_learned *learned; /* station.c */
     struct sis_told *told;       /* bus.c */
     struct sis_cycles *cycles;   /* cycle.c */
-    wmem_list_t *open;           /* sequence.c */
+    struct sis_transfer *open;   /* sequence.c: those under way, the oldest first */
 } sis_bus_t;
 
 /* Two stations, including the route between them: a drive behind a router is not the router. */
@@ -48,7 +48,6 @@ typedef struct {
     unsigned length;
     const sis_request_t *same; /* of the command before that, if it had the same bytes; else NULL */
     sis_switch_t phase_switch;
-    struct sis_transfer *transfers; /* of sequential telegrams, under way */
 } sis_direction_t;
 
 /* Two stations in contact, by the direction of the commands. */

@@ -30,8 +30,7 @@ typedef struct {
 
 /* A transfer under way, from one station to another. */
 typedef struct sis_transfer {
-    struct sis_transfer *next;      /* between the same stations */
-    wmem_list_frame_t *place;       /* among all of the bus */
+    struct sis_transfer *next;      /* of the same bus */
     const sis_exchange_t *exchange; /* that began it */
     subject_t subject;
     uint32_t number;
@@ -50,19 +49,11 @@ typedef struct sis_transfer {
     bool is_begun_anew;
 } transfer_t;
 
-static transfer_t **
-transfers_of(const sis_exchange_t *exchange)
+/* Whether a transfer is one of these two stations, in this direction. */
+static bool
+is_between(const transfer_t *transfer, const sis_exchange_t *exchange)
 {
-    return &exchange->stream->from[exchange->direction].transfers;
-}
-
-/* All that are under way on a bus, the oldest first. */
-static wmem_list_t *
-open_on(sis_bus_t *bus)
-{
-    if (bus->open == NULL)
-        bus->open = wmem_list_new(wmem_file_scope());
-    return bus->open;
+    return sis_exchange_direction(transfer->exchange) == sis_exchange_direction(exchange);
 }
 
 /* An element of a list and a telegram are never steps of one transfer: between its telegrams, the service
@@ -95,9 +86,9 @@ is_in_list(const sis_body_t *body)
 static transfer_t *
 find_transfer(const sis_exchange_t *exchange, const subject_t *subject)
 {
-    transfer_t *transfer = *transfers_of(exchange);
+    transfer_t *transfer = exchange->stream->bus->open;
 
-    while (transfer != NULL && !is_same(&transfer->subject, subject))
+    while (transfer != NULL && !(is_between(transfer, exchange) && is_same(&transfer->subject, subject)))
         transfer = transfer->next;
     return transfer;
 }
@@ -115,12 +106,11 @@ is_under_way_apart(const sis_exchange_t *exchange, const subject_t *subject)
 static void
 end_transfer(transfer_t *transfer)
 {
-    transfer_t **link = transfers_of(transfer->exchange);
+    transfer_t **link = &transfer->exchange->stream->bus->open;
 
     while (*link != transfer)
         link = &(*link)->next;
     *link = transfer->next;
-    wmem_list_remove_frame(open_on(transfer->exchange->stream->bus), transfer->place);
     wmem_free(wmem_file_scope(), transfer);
 }
 
@@ -145,23 +135,21 @@ end_with_note(const sis_body_t *body, transfer_t *transfer, const char *reason)
     end_transfer(transfer);
 }
 
-/* Appends a transfer to the lists. Their length is limited, so the oldest may be dropped. */
+/* Appends a transfer to the list of its bus, whose length is limited: so the oldest may be dropped. */
 static transfer_t *
 open_transfer(const sis_body_t *body, const subject_t *subject)
 {
     const sis_exchange_t *exchange = body->record->exchange;
-    wmem_list_t *open = open_on(exchange->stream->bus);
-    transfer_t **link, *transfer;
+    transfer_t **link = &exchange->stream->bus->open, *transfer = wmem_new0(wmem_file_scope(), transfer_t);
+    unsigned count = 0;
 
-    if (wmem_list_count(open) >= SIS_MOST_OPEN)
-        end_with_note(body, wmem_list_frame_data(wmem_list_head(open)), "too many others have begun since");
-    for (link = transfers_of(exchange); *link != NULL; link = &(*link)->next)
-        ;
-    transfer = *link = wmem_new0(wmem_file_scope(), transfer_t);
+    for (; *link != NULL; link = &(*link)->next)
+        count++;
+    *link = transfer;
     transfer->subject = *subject;
     transfer->exchange = exchange;
-    wmem_list_append(open, transfer);
-    transfer->place = wmem_list_tail(open);
+    if (count >= SIS_MOST_OPEN)
+        end_with_note(body, exchange->stream->bus->open, "too many others have begun since");
     return transfer;
 }
 
@@ -417,7 +405,7 @@ reaches(const sis_exchange_t *cancel, const sis_exchange_t *other)
     unsigned routers = cancel->path_length - 1u;
 
     if (sis_is_answered(cancel->station))
-        return cancel->stream == other->stream && cancel->direction == other->direction;
+        return sis_exchange_direction(cancel) == sis_exchange_direction(other);
     if (sis_exchange_master(cancel) != sis_exchange_master(other) || other->path_length <= routers ||
         memcmp(cancel->path, other->path, routers) != 0)
         return false;
@@ -481,12 +469,10 @@ static void
 watch_cancel(const sis_body_t *body, const sis_request_t *cancel)
 {
     const sis_exchange_t *exchange = body->record->exchange;
-    wmem_list_frame_t *frame = wmem_list_head(open_on(exchange->stream->bus));
+    transfer_t *next;
 
-    while (frame != NULL) {
-        transfer_t *transfer = wmem_list_frame_data(frame);
-
-        frame = wmem_list_frame_next(frame);
+    for (transfer_t *transfer = exchange->stream->bus->open; transfer != NULL; transfer = next) {
+        next = transfer->next;
         if (reaches(exchange, transfer->exchange) && is_cancelled(cancel, transfer))
             cancel_transfer(body, transfer);
     }
@@ -513,12 +499,13 @@ is_step_in_list(const sis_body_t *body, const transfer_t *transfer)
 static void
 end_others(const sis_body_t *body, const subject_t *subject)
 {
+    const sis_exchange_t *exchange = body->record->exchange;
     transfer_t *next;
 
-    for (transfer_t *transfer = *transfers_of(body->record->exchange); transfer != NULL; transfer = next) {
+    for (transfer_t *transfer = exchange->stream->bus->open; transfer != NULL; transfer = next) {
         next = transfer->next;
-        if (transfer->subject.device == subject->device && !is_same(&transfer->subject, subject) &&
-            !is_step_in_list(body, transfer))
+        if (is_between(transfer, exchange) && transfer->subject.device == subject->device &&
+            !is_same(&transfer->subject, subject) && !is_step_in_list(body, transfer))
             end_with_note(body, transfer, "another access to the device came between");
     }
 }
@@ -540,9 +527,11 @@ watch_access(const sis_body_t *body, sis_request_t *asked)
 static void
 lose_piece(const sis_body_t *body)
 {
-    for (transfer_t *transfer = *transfers_of(body->record->exchange); transfer != NULL;
-         transfer = transfer->next)
-        transfer->is_broken |= transfer->subject.is_in_list && transfer->subject.service == body->service;
+    const sis_exchange_t *exchange = body->record->exchange;
+
+    for (transfer_t *transfer = exchange->stream->bus->open; transfer != NULL; transfer = transfer->next)
+        transfer->is_broken |= is_between(transfer, exchange) && transfer->subject.is_in_list &&
+                               transfer->subject.service == body->service;
 }
 
 /* The reaction to a service, or to a list that was refused with it. */
