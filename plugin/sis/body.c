@@ -141,13 +141,17 @@ sis_request_t *
 sis_request_add(sis_body_t *body, uint8_t service)
 {
     bool is_kept = sis_has_exchange(body) && body->asked == NULL;
-    const sis_request_t *same = body->same != NULL ? body->same->list : NULL;
     sis_request_t **end = &body->request->list;
+    const sis_request_t *same = NULL;
 
+    if (is_kept && body->element == 0)
+        same = sis_exchange_direction(body->record->exchange)->same;
+    if (same != NULL)
+        same = same->list;
     for (; *end != NULL; end = &(*end)->next)
         same = same != NULL ? same->next : NULL;
-    *end = sis_request_new(is_kept ? wmem_file_scope() : body->pinfo->pool, service, same,
-                           is_kept && body->record->exchange->first != NULL);
+    *end = is_kept ? sis_request_new(wmem_file_scope(), service, same, body->record->exchange->first != NULL)
+                   : sis_request_new(body->pinfo->pool, service, NULL, false);
     return *end;
 }
 

@@ -33,8 +33,7 @@ typedef struct sis_body {
     sis_request_t
         *request;         /* of a command: filled in while reading, in the first pass that of its exchange */
     sis_request_t *asked; /* as the first pass has read it; NULL: unknown, or it is reading it */
-    const sis_request_t *same; /* of the command before, if it had the same bytes; else NULL */
-    sis_record_t *record;      /* of the whole telegram; NULL for a damaged one */
+    sis_record_t *record; /* of the whole telegram; NULL for a damaged one */
     /* What this teaches, found while reading; the first pass takes it afterwards (learn.c). NULL: nothing. */
     void (*learn)(struct sis_body *body);
     tvbuff_t *data;   /* of an element of a parameter, complete; NULL: missing or incomplete */

@@ -86,14 +86,6 @@ sis_exchange_direction(const sis_exchange_t *exchange)
     return &exchange->stream->from[exchange->direction];
 }
 
-uint8_t
-sis_exchange_master(const sis_exchange_t *exchange)
-{
-    const sis_stream_key_t *key = &exchange->stream->key;
-
-    return exchange->direction == 0 ? key->low : key->high;
-}
-
 /* 0 or 1: the direction of a telegram's command in its stream. */
 static unsigned
 command_direction(const sis_telegram_t *telegram)
@@ -373,6 +365,7 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
             continue;
         }
         record->exchange = exchange;
+        record->is_swapped = direction != kept;
         if (exchange->reaction_in != 0) {
             record->reaction_before = exchange->reaction_in;
             return;

@@ -59,9 +59,6 @@ typedef struct sis_stream {
     sis_direction_t from[2];
 } sis_stream_t;
 
-/* The station that sent the command. */
-uint8_t sis_exchange_master(const sis_exchange_t *exchange);
-
 /* The direction of an exchange. */
 sis_direction_t *sis_exchange_direction(const sis_exchange_t *exchange);
 

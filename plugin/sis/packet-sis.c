@@ -338,8 +338,6 @@ set_request(sis_body_t *body, const sis_exchange_t *exchange)
     body->request = exchange != NULL && !is_read
                         ? exchange->request
                         : sis_request_new(body->pinfo->pool, body->service, NULL, false);
-    if (exchange != NULL)
-        body->same = sis_exchange_direction(exchange)->same;
 }
 
 /* Decodes the useful data, with data of their exchange. Returns words for the packet list. */
@@ -423,11 +421,9 @@ static void
 find_record(dissection_t *d)
 {
     sis_telegram_t *telegram = d->telegram;
-    const sis_exchange_t *exchange;
 
     d->record = sis_learn_telegram(d->tvb, d->pinfo, telegram);
-    exchange = d->record->exchange;
-    if (telegram->is_reaction && exchange != NULL && telegram->sender != sis_exchange_master(exchange)) {
+    if (d->record->is_swapped) {
         telegram->talker = telegram->sender;
         telegram->listener = telegram->receiver;
     }

@@ -135,6 +135,7 @@ typedef struct sis_record {
     float load;                          /* percent; negative: not known */
     uint8_t service;                     /* identifies the telegram in later passes */
     bool is_reaction;
+    bool is_swapped; /* a reaction with its command's addresses swapped: its sender really sent it */
 } sis_record_t;
 
 _Static_assert(sizeof(sis_record_t) <= 48, "one byte more costs 16 bytes a telegram");

@@ -396,6 +396,14 @@ refuse(const sis_body_t *body, transfer_t *transfer, sis_request_t *asked)
     asked->is_to_be_repeated = true;
 }
 
+static uint8_t
+master_of(const sis_exchange_t *exchange)
+{
+    const sis_stream_key_t *key = &exchange->stream->key;
+
+    return exchange->direction == 0 ? key->low : key->high;
+}
+
 /* Whether a cancel reaches the station of another command of the same master: only the master that transfers
  * cancels (chapter 4). 254 reaches all of one level, 255 lower levels, too (fig. 2-9). Where the members of a
  * group are is not known. */
@@ -406,7 +414,7 @@ reaches(const sis_exchange_t *cancel, const sis_exchange_t *other)
 
     if (sis_is_answered(cancel->station))
         return sis_exchange_direction(cancel) == sis_exchange_direction(other);
-    if (sis_exchange_master(cancel) != sis_exchange_master(other) || other->path_length <= routers ||
+    if (master_of(cancel) != master_of(other) || other->path_length <= routers ||
         memcmp(cancel->path, other->path, routers) != 0)
         return false;
     return sis_receiver_kind(cancel->station) != SIS_LEVEL_BROADCAST || other->path_length == routers + 1;
