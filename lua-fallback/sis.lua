@@ -3355,6 +3355,7 @@ do
     body.is_explained = false
     body.summary = S.service_name(telegram.service)
     body.element = 0
+    body.learn, body.data, body.text = nil, nil, nil -- what the first pass takes afterwards (sis/learn)
     body.request = not telegram.is_reaction and {service = telegram.service} or nil
     body.asked = exchange and exchange.request
     body.record = telegram.is_good and record or nil
@@ -3415,13 +3416,11 @@ do
 
   -- Decodes the useful data, with data of their exchange. Returns words for the packet list.
   local function dissect_useful_data(body, record)
-    local telegram, pinfo = body.telegram, body.pinfo
-    local exchange = record.exchange
+    local telegram = body.telegram
 
-    S.timing_note(record, telegram, pinfo)
     if telegram.is_good then S.exchange_show(record, telegram, body) end
     local words = dissect_body(body, record)
-    if exchange and not telegram.is_reaction then S.exchange_keep(exchange, body.request) end
+    if record.exchange and not telegram.is_reaction then S.learn_request(record, telegram, body.request) end
     S.timing_dissect(telegram, record, body)
     return words
   end
@@ -3548,7 +3547,7 @@ do
     if #body.bytes < K.STATIC_LENGTH then return "" end
     read_telegram(body)
     local telegram = body.telegram
-    local record = S.exchange_find(body.tvb, body.pinfo, telegram)
+    local record = S.learn_telegram(body.pinfo, telegram)
     local ends = telegram.is_reaction and not S.is_swapped(record, telegram) and telegram.reversed or telegram.as_sent
 
     body.ends = ends -- the real talker and listener
@@ -3870,6 +3869,7 @@ do
     local text = S.text(sub(body.bytes, offset + 1, body.end_))
     body.item = add(body.tree, which, body.tvb, offset, length, text)
     S.say(body, ": \"%s\"", text)
+    body.text = text
     body.offset = body.end_
   end
 
@@ -4076,8 +4076,8 @@ do
     body.offset = body.end_
   end
 
-  -- Decodes a whole body, status byte first; marks bytes that are left over.
-  function S.dissect_body(body)
+  -- Status byte first.
+  local function decode(body)
     local dissect = S.bodies[S.general_service(body.service)]
 
     if not dissect and is_product_group(body.service) and is_plain_text(body) then
@@ -4090,8 +4090,19 @@ do
       (dissect or dissect_undocumented)(body)
     end
     mark_status(body)
+  end
+
+  -- Decodes a whole body, learns from it, and shows what is known by then.
+  function S.dissect_body(body)
+    local has_exchange = S.has_exchange(body)
+
+    decode(body)
+    if has_exchange then
+      S.learn_body(body)
+      S.show_switch(body)
+    end
     show_leftover(body)
-    S.sequence_watch(body)
+    if has_exchange then S.sequence_show(body) end
   end
 end
 
@@ -4114,22 +4125,18 @@ do
     S.take_text(body, F.version)
   end
 
-  local function take_long_text(body, which)
+  -- Tells the type of the device.
+  local function take_identity(body, which, what)
     local is_too_long = S.left(body) > K.MOST_CHARACTERS
 
     S.take_text(body, which)
     if is_too_long then S.mark(body, E.body_note, "more than %d characters", K.MOST_CHARACTERS) end
+    body.learn = function() S.station_identify(body, what) end
   end
 
-  function items.firmware(body)
-    S.identify(body, "firmware")
-    take_long_text(body, F.firmware)
-  end
+  function items.firmware(body) take_identity(body, F.firmware, "firmware") end
 
-  function items.type_key(body)
-    S.identify(body, "type key")
-    take_long_text(body, F.type_key)
-  end
+  function items.type_key(body) take_identity(body, F.type_key, "type key") end
 
   function items.init_baud_mask(body) S.take_baud_mask(body, true) end
 
@@ -4416,7 +4423,7 @@ do
     elseif not S.take_channel_error(body) then
       S.take_error_byte(body, subservice, N.errors_initialization)
     end
-    S.bus_learn(body)
+    body.learn = S.bus_learn
   end
 end
 
@@ -4844,7 +4851,7 @@ do
     else
       S.say(body, ", %d byte%s%s", data.length, plural(data.length), bytes_text(data.bytes))
     end
-    access.data = is_whole and data or nil
+    body.data, body.text = is_whole and data or nil, text
     local misfit = not body.is_cut and S.element_misfit(data, access.element, access.known, is_whole)
 
     if misfit then
@@ -4852,9 +4859,7 @@ do
       S.mark(body, E.body_note, "%s", misfit)
     end
     check_segment(access, data.length)
-    if access.ident and is_whole and body.is_reaction then
-      S.learn(body, access.ident, access.device, access.element, data, text)
-    end
+    if access.ident and is_whole and body.is_reaction then body.learn = S.station_learn end
   end
 
   local function show_piece(access, whole)
@@ -4881,24 +4886,23 @@ do
     local body = access.body
 
     if is_single(access) or (not access.ident and access.is_last) then return S.data(body) end
-    return access.ident
-      and S.sequence_data(body, access.ident, access.element, access.device, access.is_last) or nil
+    return access.ident and S.sequence_data(body, access.is_last) or nil
   end
 
   local function take_data(access)
     local body = access.body
 
     if body.is_short then return end
-    if S.left(body) == 0 and not S.is_sequence_open(body, access.ident, access.element, access.device) then
-      check_segment(access, 0)
-      check_missing(access)
-      return
-    end
     if not is_write(access) or not is_segment(access) then
       body.item = body.root
       check_most(access, S.left(body))
     end
     local data = find_data(access)
+    if S.left(body) == 0 and not S.is_piece(body) then
+      check_segment(access, 0)
+      check_missing(access)
+      return
+    end
     if not is_single(access) and (not data or S.is_piece(body)) then
       show_piece(access, data)
     else
@@ -4948,8 +4952,8 @@ do
     end
     if S.left(body) == 0 and access.element ~= K.ELEMENT_IDENT then S.needs(body, F.data, 1) end
     take_data(access)
-    if access.data and access.element == K.ELEMENT_DATA and body.request then
-      body.request.written = access.data.bytes
+    if body.data and access.element == K.ELEMENT_DATA and body.request then
+      body.request.written = body.data.bytes
     end
   end
 
@@ -4980,7 +4984,7 @@ do
     if is_write(access) or body.status ~= 0 then
       S.note_answer(body, is_write(access))
     elseif access.is_last or is_single(access) then
-      S.note_read(body, access.data)
+      S.note_read(body)
     end
   end
 
@@ -4999,31 +5003,35 @@ do
     return phase
   end
 
-  -- First pass: a switch begins when its command is acknowledged, and ends with the poll that returns its phase or an
-  -- error.
-  local function follow_switch(body, phase)
-    local record, exchange = body.record, body.record.exchange
-    local from = exchange.from
-    local is_switch = S.general_service(body.service) == 0x1D
+  -- A switch ends with the poll that returns its phase or an error.
+  local function learn_poll(body)
+    local from = body.record.exchange.from
 
-    if is_switch and body.status == 0 and body.asked then
-      effects = effects + 1
-      from.phase_switch = {
-        command_in = exchange.command_in,
-        begin = exchange.command_end,
-        to = body.asked.phase or 0,
-      }
-      if from.phase_switch.to < OPERATING_PHASE then from.stream.idle_in = packet.number end
-    elseif not is_switch and from.phase_switch then
-      local step = S.make_step(record, body.element)
+    if not from.phase_switch then return end
+    local step = S.make_step(body.record, body.element)
 
-      step.phase_switch = from.phase_switch
-      step.is_switch_end = body.status ~= 0 or phase == from.phase_switch.to
-      if step.is_switch_end then from.phase_switch = nil end
-    end
+    step.phase_switch = from.phase_switch
+    step.is_switch_end = body.status ~= 0 or body.phase == from.phase_switch.to
+    if step.is_switch_end then from.phase_switch = nil end
   end
 
-  local function show_switch(body)
+  -- It begins when its command is acknowledged.
+  local function learn_switch(body)
+    local exchange = body.record.exchange
+    local from = exchange.from
+
+    if body.status ~= 0 or not body.asked then return end
+    effects = effects + 1
+    from.phase_switch = {
+      command_in = exchange.command_in,
+      begin = exchange.command_end,
+      to = body.asked.phase or 0,
+    }
+    if from.phase_switch.to < OPERATING_PHASE then from.stream.idle_in = packet.number end
+  end
+
+  -- Adds what the first pass knows of the phase switch that a reaction polls.
+  function S.show_switch(body)
     local step = S.step(body.record, body.element)
     local switch = step.phase_switch
 
@@ -5046,8 +5054,8 @@ do
   end
 
   local function dissect_phase_reaction(body)
-    local is_accepted = S.general_service(body.service) == 0x1D and body.status == 0
-    local phase = 0
+    local is_switch = S.general_service(body.service) == 0x1D
+    local is_accepted = is_switch and body.status == 0
 
     if body.status == 0x01 then
       S.take_rest(body, F.raw) -- not documented
@@ -5060,13 +5068,11 @@ do
       S.mark(body, E.body_note, "a phase above 4 is refused with 0x8004, not accepted")
     end
     if not (is_accepted and S.left(body) == 0) then
-      phase = take_phase(body)
-      if not phase then return end
+      body.phase = take_phase(body)
+      if not body.phase then return end
     end
     if body.status == 0x02 then S.take_error(body, N.errors_phase) end
-    if not S.has_exchange(body) then return end
-    if not packet.visited then follow_switch(body, phase) end
-    show_switch(body)
+    body.learn = is_switch and learn_switch or learn_poll
   end
 
   local function dissect_phase(body)
@@ -5085,17 +5091,15 @@ do
 end
 
 --- sis/exchange: what belongs together: command and reaction, repeats (chapter 2.4), and the same exchange
--- on two levels of a hierarchy (chapter 2.2). Found in the first pass, in the order of the capture, and kept for every
--- later one. Frame numbers that are 0 in C are nil here.
+-- on two levels of a hierarchy (chapter 2.2), in the order of the capture. Frame numbers that are 0 in C are nil here.
 
 do
 
-  local records -- by place in the packet, then by frame number
   local lines, connections -- by key of the line, and of TCP
   local stream_count, bus_count
 
   at_init(function()
-    records, lines, connections, stream_count, bus_count = {}, {}, {}, 0, 0
+    lines, connections, stream_count, bus_count = {}, {}, 0, 0
   end)
 
   local function new_bus(is_connection)
@@ -5403,7 +5407,8 @@ do
     bus.damaged_count = bus.damaged_count - 1
   end
 
-  local function note_telegram(record, bus, number, telegram)
+  -- Finds the relations of a telegram. A damaged one may have been the reaction that a command waits for.
+  function S.exchange_learn(record, bus, number, telegram)
     local tap = packet.record
 
     if tap then
@@ -5421,30 +5426,6 @@ do
       end_exchange(record, bus, number, telegram)
     end
     bus.damage.is_there = false
-  end
-
-  -- Finds the relations of a telegram: in the first pass from what is known so far, later as found then. For a
-  -- damaged telegram: it may have been the reaction that a command waits for. Never nil.
-  function S.exchange_find(_, pinfo, telegram)
-    local number, place = packet.number, packet.count + 1 -- several telegrams may be in one packet
-    local kind = telegram.service + (telegram.is_reaction and 0x100 or 0)
-
-    packet.count = place
-    records[place] = records[place] or {}
-    local record = records[place][number]
-
-    if record and record.kind == kind then return record end
-    -- A telegram that the first pass did not see: TCP reassembled its segments differently.
-    if record or packet.visited then return {kind = kind} end
-    record = { -- with only the fields that most of them need
-      kind = kind, -- identifies the telegram in later passes
-      exchange = nil, -- of a damaged telegram, and of a reaction without a command
-      reaction_time = nil,
-      settings = nil,
-    }
-    records[place][number] = record
-    note_telegram(record, S.exchange_bus(pinfo), number, telegram)
-    return record
   end
 
   local NO_STEP = {}
@@ -5466,33 +5447,6 @@ do
     local exchange = record.exchange
 
     return exchange and exchange.from ~= exchange.from.stream.from[S.direction(telegram)]
-  end
-
-  -- A request again, because there was no good reaction to the one before: it is the same step of a transfer, and
-  -- writes the same.
-  local function take_over(exchange, request, same, before)
-    local place = request.place or 0
-    local step = S.step(same, place)
-
-    if exchange.repeat_of or step.is_to_be_repeated then
-      if step.transfer and not S.step(exchange, place).transfer then
-        S.make_step(exchange, place).transfer = step.transfer
-      end
-      request.written = request.written or before.written
-    end
-    if request.list and before.list then take_over(exchange, request.list, same, before.list) end
-    if request.next and before.next then take_over(exchange, request.next, same, before.next) end
-  end
-
-  -- Keeps what a command asks for, once.
-  function S.exchange_keep(exchange, request)
-    local same = exchange.from.same
-
-    if exchange.request then return end
-    exchange.request = request
-    if same and same.request and (exchange.repeat_of or exchange.is_step_again) then
-      take_over(exchange, request, same, same.request)
-    end
   end
 
   local function add_frame(tree, tvb, which, frame)
@@ -6012,19 +5966,6 @@ do
     return body.element ~= 0 or body.service == K.LIST_SERVICE
   end
 
-  local function make_like(body, ident, element, device)
-    local segment = body.asked and body.asked.segment or 0 -- of a list, as asked for
-
-    return {
-      service = body.service,
-      is_in_list = is_in_list(body),
-      element = element,
-      device = device,
-      ident = ident,
-      segment = segment,
-    }
-  end
-
   -- What a command asks for, as a transfer. Without an ident it is like none.
   local function transfer_of(asked, is_listed)
     return {
@@ -6037,29 +5978,27 @@ do
     }
   end
 
-  -- Whether a transfer of this parameter is under way: then its last piece may be empty.
-  function S.is_sequence_open(body, ident, element, device)
-    if not S.has_exchange(body) or not ident then return false end
-    if packet.visited then return S.is_piece(body) end
-    local exchange, like = body.record.exchange, make_like(body, ident, element, device)
+  -- First pass: finds the transfer of these data. Most have nothing before or after them; only the last piece of one
+  -- may be empty.
+  local function learn_piece(body, is_last)
+    local is_under_way = next(transfers_of(body.record.exchange)) ~= nil
+    local is_again = is_taken_before(body)
 
-    return find_transfer(exchange, like) ~= nil or is_under_way_apart(exchange, like)
-  end
+    if not is_again and is_last and not is_under_way then return end
+    local like = transfer_of(body.is_reaction and body.asked or body.request, is_in_list(body))
 
-  -- First pass: the step of these data. Most have nothing before or after them.
-  local function find_step(body, ident, element, device, is_last)
-    if is_taken_before(body) then
-      note_repeated(body, make_like(body, ident, element, device))
-    elseif not is_last or next(transfers_of(body.record.exchange)) then
-      place_piece(body, make_like(body, ident, element, device), is_last)
+    if S.left(body) == 0 and not find_transfer(body.record.exchange, like)
+      and not is_under_way_apart(body.record.exchange, like) then
+      return
     end
+    if is_again then note_repeated(body, like) else place_piece(body, like, is_last) end
   end
 
   -- The data of a telegram that reads or writes a parameter, from body.offset to its end. `is_last` comes from its
   -- parameter control. Adds what is known of the transfer. Returns the whole data with the last piece, nil with
   -- another one, and the data themselves without a transfer.
-  function S.sequence_data(body, ident, element, device, is_last)
-    if S.has_exchange(body) and not packet.visited then find_step(body, ident, element, device, is_last) end
+  function S.sequence_data(body, is_last)
+    if S.has_exchange(body) and not packet.visited then learn_piece(body, is_last) end
     if S.is_piece(body) then return put_together(body, is_last) end
     return is_last and S.data(body) or nil
   end
@@ -6234,7 +6173,9 @@ do
     end
   end
 
-  local function watch(body)
+  -- First pass: takes a body that may end transfers: cancelled, refused, or superseded by another parameter of the same
+  -- device.
+  function S.sequence_learn(body)
     local is_without_elements = body.status >= TELEGRAM_ERROR or body.error ~= 0
 
     if not body.is_reaction and body.service == K.CANCEL_SERVICE then watch_cancel(body, body.request) end
@@ -6252,28 +6193,18 @@ do
     end
   end
 
-  -- The latest first, as they were noted.
-  local function show_ended(body, ended)
+  -- Adds the transfers that a body ended, the latest first, as they were noted.
+  function S.sequence_show(body)
     local reason
 
     body.item = body.root
-    for _, transfer in ipairs(ended) do
+    for _, transfer in ipairs(S.step(body.record, body.element).ended or {}) do
       set_generated(add(body.tree, F.sequence_begun_in, body.tvb, 0, 0, transfer.begun_in))
       if transfer.reason ~= reason then
         S.mark(body, E.sequence_ended, "transfer ended unfinished: %s", transfer.reason)
       end
       reason = transfer.reason
     end
-  end
-
-  -- A good telegram that may end a transfer: cancelled, refused, or superseded by another parameter of the same
-  -- device.
-  function S.sequence_watch(body)
-    if not S.has_exchange(body) then return end
-    if not packet.visited then watch(body) end
-    local ended = S.step(body.record, body.element).ended
-
-    if ended then show_ended(body, ended) end
   end
 end
 
@@ -6535,13 +6466,13 @@ do
     bus.taught = {}
   end
 
-  -- A good reaction tells the type of a device.
-  function S.identify(body, what)
-    local exchange, bytes = body.record and body.record.exchange, sub(body.bytes, body.offset + 1, body.end_)
+  -- First pass: a good reaction has told the type of its device, as body.text.
+  function S.station_identify(body, what)
+    local from = body.record.exchange.from
 
-    if packet.visited or not exchange or not body.asked or body.is_cut or bytes == "" then return end
+    if not body.asked or body.is_cut or not body.text then return end
     effects = effects + 1
-    S.learned_identity(exchange.from.stream.bus, exchange.from.path, body.asked.device, what, S.text(bytes))
+    S.learned_identity(from.stream.bus, from.path, body.asked.device, what, body.text)
   end
 
   -- What a device of the same type said of its parameter: {known, source in words}.
@@ -6646,16 +6577,16 @@ do
     end,
   }
 
-  -- A good reaction with a complete element, and its displayed text (nil: none).
-  function S.learn(body, ident, device, element, data, shown)
-    local exchange, read = body.record and body.record.exchange, readers[element]
+  -- First pass: a reaction has brought an element of the parameter that was asked for.
+  function S.station_learn(body)
+    local asked, from = body.asked, body.record.exchange.from
+    local read = readers[asked.element]
 
-    if packet.visited or not exchange or not read then return end
+    if not read then return end
     effects = effects + 1
-    local what, value = read(data, shown)
+    local what, value = read(body.data, body.text)
 
-    if value == nil then return end
-    S.learned_add(exchange.from.stream.bus, exchange.from.path, ident, device, what, value)
+    if value ~= nil then S.learned_add(from.stream.bus, from.path, asked.ident, asked.device, what, value) end
   end
 end
 
@@ -7219,9 +7150,9 @@ do
     S.tell_access(access, body.tvb, body.tree)
   end
 
-  -- A reaction has brought the last data of a read; `data` is nil if they are incomplete.
-  function S.note_read(body, data)
-    if S.is_access_wanted(body.tree) and is_known(body) then note(body, false, nil, data and data.bytes) end
+  -- A reaction has brought the last data of a read, which may be incomplete.
+  function S.note_read(body)
+    if S.is_access_wanted(body.tree) and is_known(body) then note(body, false, nil, body.data and body.data.bytes) end
   end
 
   local function error_text(body)
@@ -7630,15 +7561,15 @@ do
     return not is_for_all and body.status == 0 and not body.record.reaction_before
   end
 
-  -- First pass: takes a decoded command or reaction of service 0x03. A slave reacts to 0xFF with the new values
+  -- First pass: takes a command or reaction of service 0x03. A slave reacts to 0xFF with the new values
   -- already.
   function S.bus_learn(body)
-    local telegram, exchange = body.telegram, body.record and body.record.exchange
+    local telegram, exchange = body.telegram, body.record.exchange
     local request = body.asked
     local is_for_all = is_broadcast(S.receiver_kind(telegram.receiver))
 
     if not body.is_reaction then request = body.request end
-    if packet.visited or not exchange or not request or not is_told(body, is_for_all) then return end
+    if not request or not is_told(body, is_for_all) then return end
     effects = effects + 1
     local told = exchange.from.stream.bus.told
     local address = is_for_all and K.ALL_STATIONS or byte(exchange.from.path)
@@ -7809,7 +7740,7 @@ do
     if not device then return false end
     for _, identity in ipairs({"type key", "firmware"}) do
       if match(rest, "^ " .. identity .. " .") then
-        if not packet.visited then S.learned_identity(bus, path, device, identity, sub(rest, #identity + 3)) end
+        S.learned_identity(bus, path, device, identity, sub(rest, #identity + 3))
         return true
       end
     end
@@ -7818,7 +7749,7 @@ do
 
     if not ident or not elements[what] then return false end
     local is_fact, shown = elements[what](value, ident, S.learned_of(bus, path, ident, device))
-    if is_fact and shown and not packet.visited then S.learned_add(bus, path, ident, device, what, shown) end
+    if is_fact and shown then S.learned_add(bus, path, ident, device, what, shown) end
     return is_fact
   end
 
@@ -7844,18 +7775,16 @@ do
           rest = ""
         end
         if rest ~= "" and rest ~= " not accepted" then return false end
-        if not packet.visited then
-          local test_end = rest_of_test and rest_of_test > 0 and packet.time + rest_of_test or nil
+        local test_end = rest_of_test and rest_of_test > 0 and packet.time + rest_of_test or nil
 
-          S.bus_recall(told, address, known.kind, value, rest == "", test_end)
-        end
+        S.bus_recall(told, address, known.kind, value, rest == "", test_end)
         return true
       end
     end
     return false
   end
 
-  -- Learns from a line in the first pass. False: it is no fact.
+  -- First pass: learns from a line. False: it is no fact.
   local function take_fact(bus, line)
     if sub(line, 1, 3) == "all" then return take_setting(bus.told, K.ALL_STATIONS, sub(line, 4)) end
     local path, rest = take_path(line)
@@ -7875,20 +7804,186 @@ do
     return true
   end
 
-  function S.dissect_before(tvb, pinfo, tree)
-    local bytes, bus, facts, at = tvb:raw(), S.exchange_bus(), 0, 1
+  local facts -- by frame number: how many it told
 
+  at_init(function() facts = {} end)
+
+  function S.dissect_before(tvb, pinfo, tree)
+    local bytes, bus, number, at = tvb:raw(), S.exchange_bus(), packet.number, 1
+
+    facts[number] = facts[number] or 0
     while at <= #bytes do
       local finish = string.find(bytes, "\n", at, true) or #bytes + 1
       local line = sub(bytes, at, finish - 1)
 
       if line ~= "" then
-        if is_plain(line) and take_fact(bus, line) then facts = facts + 1 end
+        if not packet.visited and is_plain(line) and take_fact(bus, line) then facts[number] = facts[number] + 1 end
         if tree then tree:add_packet_field(F.told_before, tvb(at - 1, #line), ENC_UTF_8) end
       end
       at = finish + 1
     end
-    pinfo.cols.info = strformat("Told before: %d fact%s", facts, plural(facts))
+    pinfo.cols.info = strformat("Told before: %d fact%s", facts[number], plural(facts[number]))
+  end
+end
+
+--- sis/cycle: the cycle in which a master sends its master control word to a drive, which Tmas limits (chapter
+-- 10). First pass only.
+
+do
+  local MS = 1000000 -- in ns
+  local DEAD_BUS_SILENCE = K.LONGEST_INTERVAL -- after a silence that a record cannot hold, the bus is dead
+
+  -- Whether a command writes the master control word: S-0-0134 of SERCOS. The documents do not name the telegram that
+  -- carries it.
+  local function find_control_word(request)
+    local ident = request.ident
+
+    if ident and ident.type == 0 and ident.number == 134 and request.element == K.ELEMENT_DATA
+      and S.general_service(request.service) == 0x1F then
+      return request
+    end
+    local element = request.list
+
+    while element do
+      if find_control_word(element) then return element end
+      element = element.next
+    end
+  end
+
+  -- Two master control words to the same drive: the frame of the one before, and the time from beginning to
+  -- beginning.
+  local function make_cycle(last, times)
+    local span = {least = 0, most = K.ANY_TIME}
+
+    if times.begin_earliest and last.begin_earliest then
+      span = S.span(T.elapsed(last.begin_latest, times.begin_earliest),
+        T.elapsed(last.begin_earliest, times.begin_latest))
+    end
+    return {frame = last.frame, ns = T.elapsed(last.begin, times.begin), span = span}
+  end
+
+  -- Of a bus, made when the first master control word comes: {words: the last to each drive, heard: when the last
+  -- telegram ended, dead_in: the last telegram after too long a silence}.
+  function S.cycle_heard(cycles, times)
+    if not cycles then return end
+    if T.elapsed(cycles.heard, times.begin) > DEAD_BUS_SILENCE then cycles.dead_in = packet.number end
+    cycles.heard = times.end_
+  end
+
+  -- Tmas holds while the machine moves. After what ended here, the next word begins anew (plugin/docs/verdicts.md).
+  local function cycle_ended_in(record, times)
+    local stream, limit = record.exchange.from.stream, record.settings and record.settings[K.TMAS]
+    local ended_in = max(stream.idle_in, stream.bus.lost_in)
+
+    if times.record then ended_in = max(ended_in, T.disturbance(times.record).begun_in) end
+    if limit then ended_in = max(ended_in, limit.accepted_in or 0) end
+    if not limit or limit.value * MS < DEAD_BUS_SILENCE then ended_in = max(ended_in, stream.bus.cycles.dead_in) end
+    return ended_in
+  end
+
+  -- Takes a command that may carry a master control word.
+  function S.cycle_learn(record, times, command)
+    local request = find_control_word(command)
+
+    if not request then return end
+    local stream = record.exchange.from.stream
+    local cycles = stream.bus.cycles or {words = {}, dead_in = 0}
+    local key = stream.number * 256 + (request.device or 0)
+    local last = cycles.words[key]
+
+    stream.bus.cycles = cycles
+    if last and cycle_ended_in(record, times) <= last.frame then record.cycle = make_cycle(last, times) end
+    cycles.heard = times.end_
+    cycles.words[key] = {
+      frame = packet.number,
+      begin = times.begin,
+      begin_earliest = times.begin_earliest,
+      begin_latest = times.begin_latest,
+    }
+  end
+end
+
+--- sis/learn: the first pass: what is learned from a telegram, in the order of the capture, and written into its
+-- record. First its relations and what is valid for it; then, as soon as it is decoded, what it says. Only the place of
+-- a piece must be known while it is decoded (sis/sequence).
+
+do
+  local records -- by place in the packet, then by frame number
+
+  at_init(function() records = {} end)
+
+  -- The limits valid for a telegram. The slave of a swapped reaction is in its command.
+  local function learn_settings(record, bus, telegram)
+    if packet.record then S.bus_learn_limits(bus.told, T.limits(packet.record)) end
+    S.cycle_heard(bus.cycles, telegram.times)
+    if not bus.told.is_anything_told then return end
+    local address = record.exchange and byte(record.exchange.from.path) or telegram.receiver
+
+    if not telegram.is_good or not S.is_answered(address) then address = K.ALL_STATIONS end
+    record.settings = S.bus_settings(bus.told, address, telegram.times.begin)
+  end
+
+  -- The record of the next telegram of its packet: in the first pass made from what is known so far, later as it was
+  -- made then. Never nil.
+  function S.learn_telegram(pinfo, telegram)
+    local number, place = packet.number, packet.count + 1 -- several telegrams may be in one packet
+    local kind = telegram.service + (telegram.is_reaction and 0x100 or 0)
+
+    packet.count = place
+    records[place] = records[place] or {}
+    local record = records[place][number]
+
+    if record and record.kind == kind then return record end
+    -- A telegram that the first pass did not see: TCP reassembled its segments differently.
+    if record or packet.visited then return {kind = kind} end
+    record = { -- with only the fields that most of them need
+      kind = kind, -- identifies the telegram in later passes
+      exchange = nil, -- of a damaged telegram, and of a reaction without a command
+      reaction_time = nil,
+      settings = nil,
+    }
+    records[place][number] = record
+    local bus = S.exchange_bus(pinfo)
+
+    S.exchange_learn(record, bus, number, telegram)
+    learn_settings(record, bus, telegram)
+    return record
+  end
+
+  -- First pass: takes what a telegram, or an element of a list, has taught; its body is decoded.
+  function S.learn_body(body)
+    if packet.visited then return end
+    if body.learn then body.learn(body) end
+    S.sequence_learn(body)
+  end
+
+  -- A request again, because there was no good reaction to the one before: it is the same step of a transfer, and
+  -- writes the same.
+  local function take_over(exchange, request, same, before)
+    local place = request.place or 0
+    local step = S.step(same, place)
+
+    if exchange.repeat_of or step.is_to_be_repeated then
+      if step.transfer and not S.step(exchange, place).transfer then
+        S.make_step(exchange, place).transfer = step.transfer
+      end
+      request.written = request.written or before.written
+    end
+    if request.list and before.list then take_over(exchange, request.list, same, before.list) end
+    if request.next and before.next then take_over(exchange, request.next, same, before.next) end
+  end
+
+  -- First pass: keeps what a command asks for; it may be the result of an earlier one with the same bytes.
+  function S.learn_request(record, telegram, request)
+    local exchange = record.exchange
+    local same = exchange.from.same
+
+    if exchange.request then return end
+    exchange.request = request
+    if same and same.request and (exchange.repeat_of or exchange.is_step_again) then
+      take_over(exchange, request, same, same.request)
+    end
+    S.cycle_learn(record, telegram.times, request)
   end
 end
 
@@ -7899,7 +7994,6 @@ end
 do
   local MS = 1000000 -- in ns
   local OPERATOR_TERMINAL_SILENCE = 200 * MS -- after it an operator terminal considers its link lost (chapter 10.1)
-  local DEAD_BUS_SILENCE = K.LONGEST_INTERVAL -- after a silence that a record cannot hold, the bus is dead
 
   -- 0: use what the bus has set.
   -- The three limits, and their display.
@@ -8183,94 +8277,8 @@ do
     show_bus(t)
   end
 
-  -- Whether a command writes the master control word: S-0-0134 of SERCOS. The documents do not name the telegram that
-  -- carries it.
-  local function find_control_word(request)
-    local ident = request.ident
-
-    if ident and ident.type == 0 and ident.number == 134 and request.element == K.ELEMENT_DATA
-      and S.general_service(request.service) == 0x1F then
-      return request
-    end
-    local element = request.list
-
-    while element do
-      if find_control_word(element) then return element end
-      element = element.next
-    end
-  end
-
-  -- Two master control words to the same drive: the frame of the one before, and the time from beginning to
-  -- beginning.
-  local function make_cycle(last, times)
-    local span = {least = 0, most = K.ANY_TIME}
-
-    if times.begin_earliest and last.begin_earliest then
-      span = S.span(T.elapsed(last.begin_latest, times.begin_earliest),
-        T.elapsed(last.begin_earliest, times.begin_latest))
-    end
-    return {frame = last.frame, ns = T.elapsed(last.begin, times.begin), span = span}
-  end
-
-  -- Of a bus, made when the first master control word comes: {words: the last to each drive, heard: when the last
-  -- telegram ended, dead_in: the last telegram after too long a silence}.
-  local function note_heard(cycles, times)
-    if not cycles then return end
-    if T.elapsed(cycles.heard, times.begin) > DEAD_BUS_SILENCE then cycles.dead_in = packet.number end
-    cycles.heard = times.end_
-  end
-
-  -- Tmas holds while the machine moves. After what ended here, the next word begins anew (plugin/docs/verdicts.md).
-  local function cycle_ended_in(record, times)
-    local stream, limit = record.exchange.from.stream, record.settings and record.settings[K.TMAS]
-    local ended_in = max(stream.idle_in, stream.bus.lost_in)
-
-    if times.record then ended_in = max(ended_in, T.disturbance(times.record).begun_in) end
-    if limit then ended_in = max(ended_in, limit.accepted_in or 0) end
-    if not limit or limit.value * MS < DEAD_BUS_SILENCE then ended_in = max(ended_in, stream.bus.cycles.dead_in) end
-    return ended_in
-  end
-
-  local function note_cycle(record, telegram, body)
-    local exchange = record.exchange
-    local request = exchange and body.request and find_control_word(body.request)
-
-    if not request then return end
-    local stream, times = exchange.from.stream, telegram.times
-    local cycles = stream.bus.cycles or {words = {}, dead_in = 0}
-    local key = stream.number * 256 + (request.device or 0)
-    local last = cycles.words[key]
-
-    stream.bus.cycles = cycles
-    if last and cycle_ended_in(record, times) <= last.frame then record.cycle = make_cycle(last, times) end
-    cycles.heard = times.end_
-    cycles.words[key] = {
-      frame = packet.number,
-      begin = times.begin,
-      begin_earliest = times.begin_earliest,
-      begin_latest = times.begin_latest,
-    }
-  end
-
-  -- First pass: the limits valid for a telegram that has just come. The slave of a swapped reaction is in its
-  -- command.
-  function S.timing_note(record, telegram, pinfo)
-    if packet.visited then return end
-    local exchange = record.exchange
-    local bus = exchange and exchange.from.stream.bus or S.exchange_bus(pinfo)
-
-    if packet.record then S.bus_learn_limits(bus.told, T.limits(packet.record)) end
-    note_heard(bus.cycles, telegram.times)
-    if not bus.told.is_anything_told then return end
-    local address = exchange and byte(exchange.from.path) or telegram.receiver
-
-    if not telegram.is_good or not S.is_answered(address) then address = K.ALL_STATIONS end
-    record.settings = S.bus_settings(bus.told, address, telegram.times.begin)
-  end
-
   -- Adds the timing of a telegram to its tree, and notes. `body` is decoded already.
   function S.timing_dissect(telegram, record, body)
-    if not packet.visited then note_cycle(record, telegram, body) end
     local is_asked = body.tree or record.settings or P.tza_ms ~= 0 or P.trs_ms ~= 0 or S.is_counting
 
     if not is_asked then return end -- nothing to display

@@ -12,7 +12,7 @@
 #include "parts.h"
 #include "protocol/fields.h"
 #include "sertap/line.h"
-#include "sis/learned.h"
+#include "sis/station.h"
 
 /* One line of the capture, both directions of a tap, or a TCP connection. */
 typedef struct {

@@ -440,8 +440,8 @@ tell_access(const line_t *line)
     access->place = sisascii_place(command);
     access->ident = command->said.ident;
     access->known = known_of(command);
-    if (line->pinfo->fd->visited)
-        sis_learned_complete(sis_learned_of(bus), &access->place, command->said.ident, &access->known);
+    sis_learned_complete(line->pinfo, sis_learned_of(bus), &access->place, command->said.ident,
+                         &access->known);
     access->is_refused = command->has_error;
     if (command->has_error) {
         access->error = wmem_strdup_printf(pool, "0x%04x %s", command->error, error_text(command->error));

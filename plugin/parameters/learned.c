@@ -233,9 +233,10 @@ sis_learned_add(sis_learned_t *learned, const sis_place_t *place, sis_ident_t id
 }
 
 void
-sis_learned_complete(sis_learned_t *learned, const sis_place_t *place, sis_ident_t ident, sis_known_t *known)
+sis_learned_complete(const packet_info *pinfo, sis_learned_t *learned, const sis_place_t *place,
+                     sis_ident_t ident, sis_known_t *known)
 {
-    const sis_known_t *later = sis_learned_find(learned, place, ident);
+    const sis_known_t *later = pinfo->fd->visited ? sis_learned_find(learned, place, ident) : NULL;
 
     if (later == NULL)
         return;

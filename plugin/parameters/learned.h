@@ -50,8 +50,8 @@ bool sis_fact_read(sis_fact_t *fact, wmem_allocator_t *pool, sis_element_t eleme
 void
 sis_learned_add(sis_learned_t *learned, const sis_place_t *place, sis_ident_t ident, const sis_fact_t *fact);
 
-/* Later passes: adds to what was known of a parameter in the first pass what was only read afterwards. */
-void
-sis_learned_complete(sis_learned_t *learned, const sis_place_t *place, sis_ident_t ident, sis_known_t *known);
+/* In later passes: adds to what was known of a parameter in the first pass what was only read afterwards. */
+void sis_learned_complete(const packet_info *pinfo, sis_learned_t *learned, const sis_place_t *place,
+                          sis_ident_t ident, sis_known_t *known);
 
 #endif

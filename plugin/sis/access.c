@@ -16,12 +16,10 @@
 static int access_tap = -1;
 
 void
-sis_keep_written(sis_body_t *body, tvbuff_t *data)
+sis_keep_written(sis_body_t *body)
 {
-    if (body->request == NULL || body->record == NULL || body->pinfo->fd->visited)
-        return;
-    body->request->written_length = tvb_captured_length(data);
-    body->request->written = tvb_memdup(wmem_file_scope(), data, 0, body->request->written_length);
+    body->request->written_length = tvb_captured_length(body->data);
+    body->request->written = tvb_memdup(wmem_file_scope(), body->data, 0, body->request->written_length);
 }
 
 static bool
@@ -173,20 +171,20 @@ note(sis_body_t *body, bool is_write, const char *error, tvbuff_t *data)
     access->bus = body->record->exchange->stream->bus->number;
     access->has_master = true;
     access->master = body->telegram->listener;
-    access->place = sis_station_place(body->record->exchange, asked->device);
+    access->place = sis_station_of(body, asked->device);
     access->ident = asked->ident;
     access->known = sis_station_known(body, asked->ident, asked->device);
-    sis_station_complete(body, asked->ident, asked->device, &access->known);
+    sis_station_complete(body, &access->known);
     if (data != NULL)
         set_value(access, body->pinfo, data);
     sis_access_tell(access, body->tvb, body->pinfo, body->tree);
 }
 
 void
-sis_note_read(sis_body_t *body, tvbuff_t *data)
+sis_note_read(sis_body_t *body)
 {
     if (sis_access_is_wanted(body->tree) && is_known(body))
-        note(body, false, NULL, data);
+        note(body, false, NULL, body->data);
 }
 
 static tvbuff_t *

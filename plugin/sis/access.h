@@ -4,7 +4,7 @@
 #ifndef SIS_ACCESS_H
 #define SIS_ACCESS_H
 
-#include "sis/learned.h"
+#include "sis/station.h"
 
 /* Received by the tap "sis_access" and by users of the field sis.access. */
 typedef struct {
@@ -33,10 +33,10 @@ bool sis_access_is_wanted(proto_tree *tree);
 void sis_access_tell(const sis_access_t *access, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree);
 
 /* First pass: a command has all data to write. */
-void sis_keep_written(sis_body_t *body, tvbuff_t *data);
+void sis_keep_written(sis_body_t *body);
 
-/* A reaction has brought the last data of a read; `data` is NULL if they are incomplete. */
-void sis_note_read(sis_body_t *body, tvbuff_t *data);
+/* A reaction has brought the last data of a read, which may be incomplete. */
+void sis_note_read(sis_body_t *body);
 
 /* A reaction has accepted a write, or refused a read or write. */
 void sis_note_answer(sis_body_t *body, bool is_write);

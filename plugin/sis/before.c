@@ -10,12 +10,15 @@
  *     3/2 device 1 type key DKC02.3-040-7-FW              ... firmware FWA-ECODR3-SMT-02VRS-MS
  *
  * Any other line is shown and ignored. */
+#include "kept.h"
 #include "parts.h"
 
 #include "parameters/ident.h"
 #include "parameters/values.h"
 #include "sis/bus.h"
-#include "sis/learned.h"
+#include "sis/station.h"
+
+#define KEPT_FACTS 1 /* of a packet, next to the records of its telegrams */
 
 #define LONGEST_LIMIT 512u                  /* bytes of a minimum or maximum */
 #define LONGEST_TEST  UINT64_C(65535000000) /* ns */
@@ -134,7 +137,7 @@ take_element(const event_t *event, const char *at, const subject_t *subject)
     fact.text = at;
     if (!elements[i].read(event, subject, &fact))
         return false;
-    if (!event->pinfo->fd->visited && fact.text != NULL)
+    if (fact.text != NULL)
         sis_learned_add(sis_learned_of(event->bus), &subject->place, subject->ident, &fact);
     return true;
 }
@@ -150,8 +153,7 @@ take_identity(const event_t *event, const char *at, const sis_place_t *place)
         what++;
     if (what == SIS_IDENTITIES || *at == '\0')
         return false;
-    if (!event->pinfo->fd->visited)
-        sis_learned_identity(sis_learned_of(event->bus), place, (sis_identity_t)what, at);
+    sis_learned_identity(sis_learned_of(event->bus), place, (sis_identity_t)what, at);
     return true;
 }
 
@@ -222,12 +224,11 @@ take_setting(const event_t *event, const char *at, uint8_t address)
 
     if (!take_value(&at, &recalled) || !take_state(event, &at, &recalled) || *at != '\0')
         return false;
-    if (!event->pinfo->fd->visited)
-        sis_bus_recall(event->bus, &recalled, event->pinfo->num);
+    sis_bus_recall(event->bus, &recalled, event->pinfo->num);
     return true;
 }
 
-/* Learns from a line in the first pass. False: it is no fact. */
+/* First pass: learns from a line. False: it is no fact. */
 static bool
 take_fact(const event_t *event, const char *line)
 {
@@ -258,7 +259,7 @@ static int
 dissect_before(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _U_)
 {
     event_t event = {tvb, pinfo, sis_exchange_bus(pinfo)};
-    unsigned end, facts = 0;
+    unsigned *facts = kept_of_packet(pinfo, proto_sis, KEPT_FACTS, sizeof *facts), end;
 
     for (unsigned at = 0; at < tvb_reported_length(tvb); at = end + 1) {
         const char *line;
@@ -268,10 +269,11 @@ dissect_before(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data _
         if (end == at)
             continue;
         line = (const char *)tvb_get_string_enc(pinfo->pool, tvb, at, end - at, ENC_UTF_8);
-        facts += is_plain(line, end - at) && take_fact(&event, line);
+        if (!pinfo->fd->visited)
+            *facts += is_plain(line, end - at) && take_fact(&event, line);
         proto_tree_add_item(tree, hf_sis_told_before, tvb, at, end - at, ENC_UTF_8);
     }
-    col_add_fstr(pinfo->cinfo, COL_INFO, "Told before: %u fact%s", facts, plurality(facts, "", "s"));
+    col_add_fstr(pinfo->cinfo, COL_INFO, "Told before: %u fact%s", *facts, plurality(*facts, "", "s"));
     return tvb_captured_length(tvb);
 }
 

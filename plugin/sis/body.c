@@ -131,6 +131,30 @@ sis_take_rest(sis_body_t *body, int hf)
     return true;
 }
 
+sis_request_t *
+sis_request_of(const sis_body_t *body)
+{
+    return body->is_reaction ? body->asked : body->request;
+}
+
+sis_request_t *
+sis_request_add(sis_body_t *body, uint8_t service)
+{
+    bool is_kept = sis_has_exchange(body) && body->asked == NULL;
+    sis_request_t **end = &body->request->list;
+    const sis_request_t *same = NULL;
+
+    if (is_kept && body->element == 0)
+        same = sis_exchange_direction(body->record->exchange)->same;
+    if (same != NULL)
+        same = same->list;
+    for (; *end != NULL; end = &(*end)->next)
+        same = same != NULL ? same->next : NULL;
+    *end = is_kept ? sis_request_new(wmem_file_scope(), service, same, body->record->exchange->first != NULL)
+                   : sis_request_new(body->pinfo->pool, service, NULL, false);
+    return *end;
+}
+
 void
 sis_request_device(sis_body_t *body, uint32_t device)
 {
@@ -272,6 +296,7 @@ sis_take_text(sis_body_t *body, int hf)
     text = sis_text(body->pinfo->pool, body->tvb, offset, length);
     body->item = proto_tree_add_string(body->tree, hf, body->tvb, offset, length, text);
     sis_say_words(body, ": \"", text, "\"", NULL);
+    body->text = text;
     body->offset = body->end;
 }
 

@@ -7,7 +7,7 @@
 #include "sis/exchange.h"
 #include "sis/names.h"
 
-typedef struct {
+typedef struct sis_body {
     const sis_telegram_t *telegram;
     tvbuff_t *tvb;
     packet_info *pinfo;
@@ -30,11 +30,15 @@ typedef struct {
     bool is_explained;         /* an error code was shown, so the status is not marked, too */
     wmem_strbuf_t *summary;    /* for the packet list, after the service's name */
     wmem_strbuf_t *marks;      /* and what is wrong, after that */
-    sis_request_t *request;    /* of a command: filled in while reading */
-    sis_request_t *asked;      /* as the exchange keeps it; NULL if unknown */
-    /* First pass, of a command: what the command before asked for, if it had the same bytes; else NULL */
-    const sis_request_t *before;
+    sis_request_t
+        *request;         /* of a command: filled in while reading, in the first pass that of its exchange */
+    sis_request_t *asked; /* as the first pass has read it; NULL: unknown, or it is reading it */
     sis_record_t *record; /* of the whole telegram; NULL for a damaged one */
+    /* What this teaches, found while reading; the first pass takes it afterwards (learn.c). NULL: nothing. */
+    void (*learn)(struct sis_body *body);
+    tvbuff_t *data;   /* of an element of a parameter, complete; NULL: missing or incomplete */
+    const char *text; /* and their value as text, or another text that was read; NULL: none */
+    uint32_t phase;   /* of a reaction */
 } sis_body_t;
 
 /* Whether the telegram is a good one, whose exchange is known. */
@@ -53,6 +57,12 @@ sis_take_code(sis_body_t *body, int hf, unsigned size, const value_string *texts
 
 /* Device address and subservice, the first fields of the bodies of services that have subservices. */
 bool sis_take_subservice(sis_body_t *body, uint32_t *subservice);
+
+/* What a command asks for, or a reaction answers; NULL: unknown. */
+sis_request_t *sis_request_of(const sis_body_t *body);
+
+/* Of a command: the request of the next element of a list, or of a further subservice. */
+sis_request_t *sis_request_add(sis_body_t *body, uint8_t service);
 
 /* Remembers the device of a command. */
 void sis_request_device(sis_body_t *body, uint32_t device);

@@ -12,18 +12,19 @@ typedef struct {
 } test_t;
 
 /* Of one station, or of all. */
-typedef struct {
+typedef struct station {
+    struct station *next;
+    uint8_t address;
     sis_settings_t told;  /* accepted_in is 0 */
     sis_settings_t valid; /* as far as this station accepted them */
     test_t test;
     const sis_settings_t *known; /* sis_bus_settings(); NULL: to be made */
 } station_t;
 
-/* A TCP connection is a bus of its own, and a capture may have very many: a map costs less than an array. */
+/* A TCP connection is a bus of its own, and a capture may have very many: a list costs less than an array. */
 struct sis_told {
-    station_t all;
-    wmem_map_t *stations; /* by address: those that were told something themselves */
-    uint32_t limits_in;   /* the event that brought the user's limits; 0: none */
+    station_t all;      /* and after it those that were told something themselves */
+    uint32_t limits_in; /* the event that brought the user's limits; 0: none */
     uint32_t last_order;
 };
 
@@ -33,7 +34,7 @@ told_of(sis_bus_t *bus)
 {
     if (bus->told == NULL) {
         bus->told = wmem_new0(wmem_file_scope(), struct sis_told);
-        bus->told->stations = wmem_map_new(wmem_file_scope(), g_direct_hash, g_direct_equal);
+        bus->told->all.address = SIS_ALL_STATIONS;
     }
     return bus->told;
 }
@@ -42,8 +43,10 @@ told_of(sis_bus_t *bus)
 static station_t *
 find_station(struct sis_told *told, uint8_t address)
 {
-    station_t *station = wmem_map_lookup(told->stations, GUINT_TO_POINTER(address));
+    station_t *station = &told->all;
 
+    while (station != NULL && station->address != address)
+        station = station->next;
     return station != NULL ? station : &told->all;
 }
 
@@ -56,22 +59,18 @@ make_station(struct sis_told *told, uint8_t address)
     if (address == SIS_ALL_STATIONS || station != &told->all)
         return station;
     station = wmem_new0(wmem_file_scope(), station_t);
+    station->address = address;
     station->valid = told->all.valid;
-    wmem_map_insert(told->stations, GUINT_TO_POINTER(address), station);
+    station->next = told->all.next;
+    told->all.next = station;
     return station;
-}
-
-static void
-forget_one(void *address _U_, void *station, void *data _U_)
-{
-    ((station_t *)station)->known = NULL;
 }
 
 static void
 forget_known(struct sis_told *told)
 {
-    forget_one(NULL, &told->all, NULL);
-    wmem_map_foreach(told->stations, forget_one, NULL);
+    for (station_t *station = &told->all; station != NULL; station = station->next)
+        station->known = NULL;
 }
 
 /* Makes the set values for a station or for all valid, if they are newer. A new rate ends a test. */
@@ -90,29 +89,6 @@ accept(station_t *station, const station_t *all, uint32_t frame)
         if (kind == SIS_BAUD)
             station->test.end = 0;
     }
-}
-
-typedef struct {
-    const station_t *all;
-    uint32_t frame;
-} accepting_t;
-
-static void
-accept_one(void *address _U_, void *station, void *data)
-{
-    const accepting_t *accepting = data;
-
-    accept(station, accepting->all, accepting->frame);
-}
-
-static void
-accept_of(struct sis_told *told, uint8_t address, uint32_t frame)
-{
-    accepting_t accepting = {&told->all, frame};
-
-    accept_one(NULL, find_station(told, address), &accepting);
-    if (address == SIS_ALL_STATIONS)
-        wmem_map_foreach(told->stations, accept_one, &accepting);
 }
 
 static const struct {
@@ -134,8 +110,10 @@ learn(struct sis_told *told, uint8_t address, const sis_request_t *request, uint
     station_t *station = make_station(told, address);
 
     forget_known(told);
-    if (request->subservice == SIS_ACCEPT)
-        accept_of(told, address, frame);
+    for (station_t *each = &told->all; each != NULL && request->subservice == SIS_ACCEPT; each = each->next) {
+        if (each == station || station == &told->all)
+            accept(each, &told->all, frame);
+    }
     if (request->subservice == SIS_TEST_BAUD)
         station->test = (test_t){setting, now + request->test_ms * INT64_C(1000000)};
     for (unsigned i = 0; i < array_length(kinds); i++) {
@@ -155,13 +133,13 @@ void
 sis_bus_learn(sis_body_t *body)
 {
     const sis_telegram_t *telegram = body->telegram;
-    const sis_request_t *first = body->is_reaction ? body->asked : body->request, *request = first;
-    sis_exchange_t *exchange = body->record != NULL ? body->record->exchange : NULL;
+    const sis_request_t *first = sis_request_of(body), *request = first;
+    const sis_exchange_t *exchange = body->record->exchange;
     bool is_for_all = is_broadcast(sis_receiver_kind(telegram->receiver));
     struct sis_told *told;
     uint8_t address;
 
-    if (body->pinfo->fd->visited || exchange == NULL || request == NULL || telegram->subaddress_count > 0 ||
+    if (request == NULL || telegram->subaddress_count > 0 ||
         (is_for_all ? body->is_reaction : !body->is_reaction))
         return;
     if (body->is_reaction && (body->status != 0 || body->record->reaction_before != 0))
@@ -208,21 +186,6 @@ find_limit(const char *text, const char *name)
     return value <= UINT16_MAX ? (uint32_t)value : 0;
 }
 
-typedef struct {
-    sis_setting_kind_t kind;
-    sis_setting_t limit;
-} limit_t;
-
-static void
-learn_limit(void *address _U_, void *station, void *data)
-{
-    const limit_t *limit = data;
-    sis_setting_t *valid = &((station_t *)station)->valid.of[limit->kind];
-
-    if (valid->set_in == 0 || valid->is_by_user)
-        *valid = limit->limit;
-}
-
 void
 sis_bus_learn_limits(sis_bus_t *bus, const sertap_limits_t *limits)
 {
@@ -239,12 +202,13 @@ sis_bus_learn_limits(sis_bus_t *bus, const sertap_limits_t *limits)
     forget_known(told);
     for (unsigned i = 0; i < array_length(names); i++) {
         uint32_t value = find_limit(limits->text, names[i].name);
-        limit_t limit = {names[i].kind, {value, limits->told_in, limits->told_in, 0, true}};
 
-        if (value == 0)
-            continue;
-        learn_limit(NULL, &told->all, &limit);
-        wmem_map_foreach(told->stations, learn_limit, &limit);
+        for (station_t *station = &told->all; station != NULL && value != 0; station = station->next) {
+            sis_setting_t *valid = &station->valid.of[names[i].kind];
+
+            if (valid->set_in == 0 || valid->is_by_user)
+                *valid = (sis_setting_t){value, limits->told_in, limits->told_in, 0, true};
+        }
     }
 }
 

@@ -25,7 +25,7 @@ typedef struct sis_settings {
     sis_setting_t of[SIS_SETTINGS];
 } sis_settings_t;
 
-/* First pass: takes a decoded command or reaction of service 0x03. */
+/* First pass: takes a command or reaction of service 0x03. */
 void sis_bus_learn(sis_body_t *body);
 
 /* A setting that was told before this file began. */

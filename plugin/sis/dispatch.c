@@ -4,6 +4,7 @@
 #include "sis/dispatch.h"
 
 #include "protocol/services.h"
+#include "sis/learn.h"
 #include "sis/names.h"
 #include "sis/sequence.h"
 #include "sis/services/services.h"
@@ -140,8 +141,8 @@ show_leftover(sis_body_t *body)
     body->offset = body->end;
 }
 
-void
-sis_dissect_body(sis_body_t *body)
+static void
+decode(sis_body_t *body)
 {
     body_dissector_t dissect = find_dissector_of(body->service);
 
@@ -155,20 +156,22 @@ sis_dissect_body(sis_body_t *body)
     if (!body->is_short && (body->status < 0xF0 || sis_left(body) > 0))
         (dissect != NULL ? dissect : dissect_undocumented)(body);
     mark_status(body);
-    show_leftover(body);
-    sis_sequence_watch(body);
 }
 
-static void
-add_request(sis_body_t *list, sis_request_t *request)
+/* Decodes it, learns from it, and shows what is known by then. */
+void
+sis_dissect_body(sis_body_t *body)
 {
-    sis_request_t **end;
+    bool has_exchange = sis_has_exchange(body);
 
-    if (list->request == NULL)
-        return;
-    for (end = &list->request->list; *end != NULL; end = &(*end)->next)
-        ;
-    *end = request;
+    decode(body);
+    if (has_exchange) {
+        sis_learn_body(body);
+        sis_show_switch(body);
+    }
+    show_leftover(body);
+    if (has_exchange)
+        sis_sequence_show(body);
 }
 
 static void
@@ -183,10 +186,9 @@ add_error(sis_body_t *list, const sis_body_t *element)
 /* The elements of a command that no element of the reaction has answered yet. */
 typedef struct {
     sis_request_t *next;
-    const sis_request_t *before; /* of a command: the next element of the same list before */
-    bool is_each_answered;       /* there are as many in the reaction */
-    bool is_one_missing;         /* there are fewer */
-    bool is_one_unknown;         /* an element of the reaction may have failed, or has */
+    bool is_each_answered; /* there are as many in the reaction */
+    bool is_one_missing;   /* there are fewer */
+    bool is_one_unknown;   /* an element of the reaction may have failed, or has */
 } commands_t;
 
 /* Whether an element of a reaction, `length` bytes after its service, may answer this command: as whole
@@ -223,8 +225,6 @@ take_command(commands_t *commands, const sis_body_t *list, uint8_t service, unsi
 {
     sis_request_t *command = commands->next;
 
-    if (commands->before != NULL)
-        commands->before = commands->before->next;
     if (list->is_reaction)
         command = find_command(command, list, service, length);
     if (command == NULL)
@@ -242,7 +242,6 @@ dissect_element_body(sis_body_t *list, proto_item *root, unsigned number, uint8_
                      commands_t *commands)
 {
     wmem_allocator_t *pool = list->pinfo->pool;
-    const sis_request_t *before = commands->before;
     sis_body_t element = {.telegram = list->telegram,
                           .tvb = list->tvb,
                           .pinfo = list->pinfo,
@@ -258,18 +257,14 @@ dissect_element_body(sis_body_t *list, proto_item *root, unsigned number, uint8_
                           .record = list->record,
                           .summary = wmem_strbuf_new(pool, sis_service_name(pool, service)),
                           .marks = wmem_strbuf_new(pool, ""),
-                          .before = before,
                           .asked = take_command(commands, list, service, length)};
 
     if (list->is_reaction && list->asked != NULL && element.asked == NULL) {
         list->item = root;
         sis_mark(list, &ei_sis_body_note, "which element of the command this answers is unknown");
     }
-    if (!list->is_reaction) {
-        element.request = wmem_new0(pool, sis_request_t);
-        element.request->service = service;
-        add_request(list, element.request);
-    }
+    if (!list->is_reaction)
+        element.request = sis_request_add(list, service);
     sis_dissect_body(&element);
     if (element.error_text != NULL)
         add_error(list, &element);
@@ -289,12 +284,10 @@ dissect_element_body(sis_body_t *list, proto_item *root, unsigned number, uint8_
 static void
 show_recursion(sis_body_t *list, unsigned length, commands_t *commands)
 {
-    sis_request_t *request = wmem_new0(list->pinfo->pool, sis_request_t);
-
     commands->is_one_unknown = true;
     take_command(commands, list, SIS_LIST, length);
-    request->service = SIS_LIST;
-    add_request(list, request);
+    if (!list->is_reaction)
+        sis_request_add(list, SIS_LIST);
     sis_mark(list, &ei_sis_list_recursion, "a list in a list");
     if (length > 0)
         proto_tree_add_item(list->tree, hf_sis_raw, list->tvb, list->offset, length, ENC_NA);
@@ -333,8 +326,7 @@ dissect_element(sis_body_t *list, unsigned number, commands_t *commands)
 static commands_t
 commands_of(const sis_body_t *list)
 {
-    commands_t commands = {.next = list->asked != NULL ? list->asked->list : NULL,
-                           .before = list->before != NULL ? list->before->list : NULL};
+    commands_t commands = {.next = list->asked != NULL ? list->asked->list : NULL};
     const sis_request_t *command = commands.next;
     unsigned at = list->offset;
 

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Relations between telegrams: command and reaction, repeats (chapter 2.4), and the same exchange on two
- * levels of a hierarchy (chapter 2.2). Found in the first pass, in the order of the capture, and kept for
- * later passes. */
+ * levels of a hierarchy (chapter 2.2), in the order of the capture. */
 #include "sis/exchange.h"
 
 #include <epan/conversation.h>
-#include <epan/proto_data.h>
 
-#include "items.h"
 #include "kept.h"
 #include "parts.h"
 #include "sertap/line.h"
@@ -83,6 +80,12 @@ sis_stream_count(void)
     return wmem_map_size(streams);
 }
 
+sis_direction_t *
+sis_exchange_direction(const sis_exchange_t *exchange)
+{
+    return &exchange->stream->from[exchange->direction];
+}
+
 /* 0 or 1: the direction of a telegram's command in its stream. */
 static unsigned
 command_direction(const sis_telegram_t *telegram)
@@ -130,16 +133,14 @@ is_equal(tvbuff_t *tvb, unsigned offset, const uint8_t *bytes, unsigned length)
  * reaction the slave has kept. Another step of a long read has the same bytes, too, but a reaction in
  * between. */
 static void
-find_repeat(sis_exchange_t *exchange, sis_stream_t *stream, unsigned direction, tvbuff_t *tvb,
-            const sis_telegram_t *telegram)
+find_repeat(sis_exchange_t *exchange, sis_direction_t *from, tvbuff_t *tvb, const sis_telegram_t *telegram)
 {
-    sis_exchange_t *before = stream->from[direction].last;
-    unsigned length = telegram->declared;
+    sis_exchange_t *before = from->last;
 
-    if (before == NULL || stream->from[direction].length != length ||
-        !is_equal(tvb, 0, stream->from[direction].bytes, length))
+    if (before == NULL || from->length != telegram->declared ||
+        !is_equal(tvb, 0, from->bytes, telegram->declared))
         return;
-    stream->from[direction].same = before->request;
+    from->same = before->request;
     exchange->is_reaction_kept = telegram->number > 0;
     exchange->is_kept_reaction_seen = exchange->is_reaction_kept && before->reaction_in != 0;
     if (before->reaction_in != 0 && !exchange->is_reaction_kept)
@@ -154,18 +155,6 @@ routing_of(sis_exchange_t *exchange)
     if (exchange->routing == NULL)
         exchange->routing = wmem_new0(wmem_file_scope(), sis_routing_t);
     return exchange->routing;
-}
-
-sis_exchange_t *
-sis_exchange_above(const sis_exchange_t *exchange)
-{
-    return exchange->routing != NULL ? exchange->routing->above : NULL;
-}
-
-sis_exchange_t *
-sis_exchange_below(const sis_exchange_t *exchange)
-{
-    return exchange->routing != NULL ? exchange->routing->forwarded : NULL;
 }
 
 /* It no longer waits for a router's version. */
@@ -202,7 +191,7 @@ wait_since(int64_t end, const sis_times_t *times)
 static void
 follow_command(sis_exchange_t *exchange, sis_exchange_t *before, const sis_telegram_t *telegram)
 {
-    const sis_exchange_t *same = exchange->stream->from[exchange->direction].last;
+    const sis_exchange_t *same = sis_exchange_direction(exchange)->last;
 
     if (before->needs_reaction && before->reaction_in == 0) {
         before->next_command_in = exchange->command_in;
@@ -221,6 +210,7 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
 {
     sis_stream_t *stream = stream_of_command(bus, tvb, telegram);
     unsigned direction = command_direction(telegram);
+    sis_direction_t *from = &stream->from[direction];
     sis_exchange_t *exchange = wmem_new0(wmem_file_scope(), sis_exchange_t);
     const void *master = GUINT_TO_POINTER(telegram->sender);
     sis_exchange_t *before = wmem_map_lookup(bus->last, master);
@@ -238,23 +228,25 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
             ? (uint32_t)MIN(telegram->times.end - telegram->times.end_earliest, UINT32_MAX)
             : UINT32_MAX;
     exchange->wait = -1;
-    stream->from[direction].same = NULL;
+    from->same = NULL;
     exchange->needs_reaction =
         sis_is_answered(telegram->last_address) && telegram->service != SIS_TOKEN_PASSING;
     if (exchange->needs_reaction)
-        find_repeat(exchange, stream, direction, tvb, telegram);
+        find_repeat(exchange, from, tvb, telegram);
+    exchange->request =
+        sis_request_new(wmem_file_scope(), telegram->service, from->same, exchange->first != NULL);
     find_route(exchange, tvb, pinfo, telegram);
     if (before != NULL)
         follow_command(exchange, before, telegram);
     wmem_map_insert(bus->last, master, exchange);
     bus->newest = exchange;
 
-    if (stream->from[direction].last != NULL)
-        leave_route(stream->from[direction].last);
-    wmem_free(wmem_file_scope(), stream->from[direction].bytes);
-    stream->from[direction].bytes = tvb_memdup(wmem_file_scope(), tvb, 0, telegram->declared);
-    stream->from[direction].length = telegram->declared;
-    stream->from[direction].last = exchange;
+    if (from->last != NULL)
+        leave_route(from->last);
+    wmem_free(wmem_file_scope(), from->bytes);
+    from->bytes = tvb_memdup(wmem_file_scope(), tvb, 0, telegram->declared);
+    from->length = telegram->declared;
+    from->last = exchange;
     if (telegram->subaddress_count > 0)
         sis_route_wait(&routing_of(exchange)->waiting, exchange, tvb, pinfo, telegram);
     return exchange;
@@ -349,7 +341,7 @@ is_own_number(const sis_bus_t *bus, const sis_telegram_t *telegram)
     return before != NULL && before->reaction_in == 0 &&
            sis_receiver_kind(before->station) == SIS_POINT_TO_POINT &&
            sis_receiver_kind(telegram->last_address) == SIS_STATION &&
-           before->stream->from[before->direction].bytes[5] == telegram->service;
+           sis_exchange_direction(before)->bytes[5] == telegram->service;
 }
 
 static void
@@ -373,6 +365,7 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
             continue;
         }
         record->exchange = exchange;
+        record->is_swapped = direction != kept;
         if (exchange->reaction_in != 0) {
             record->reaction_before = exchange->reaction_in;
             return;
@@ -385,64 +378,31 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
         exchange->reaction_time = sertap_elapsed(exchange->command_end, telegram->times.begin);
         exchange->is_measured = sis_is_measured(exchange->reaction_time, &telegram->times);
         if (sis_exchange_below(exchange) != NULL)
-            sis_make_rare(record)->routed_from = sis_exchange_below(exchange)->reaction_in;
+            sis_make_rare(record, 0)->routed_from = sis_exchange_below(exchange)->reaction_in;
         return;
     }
     if (is_answer_to_damage(bus, tvb, telegram))
-        sis_make_rare(record)->origin = SIS_TO_DAMAGED;
+        sis_make_rare(record, 0)->origin = SIS_TO_DAMAGED;
     else if (is_own_number(bus, telegram))
-        sis_make_rare(record)->origin = SIS_OWN_NUMBER;
+        sis_make_rare(record, 0)->origin = SIS_OWN_NUMBER;
 }
 
 /* A damaged command was not executed, so its damage has cost nothing. */
 static void
 answer_damaged(sis_record_t *record, sis_bus_t *bus)
 {
-    sis_rare_t *rare = sis_make_rare(record);
+    sis_rare_t *rare = sis_make_rare(record, 0);
 
     rare->origin = SIS_TO_DAMAGED;
     rare->damaged_in = bus->damage.command_in;
     bus->damaged_count--;
 }
 
-/* Several telegrams may be in one packet. Their records form a list: proto_data with a key for each of them
- * would be searched from its beginning for every telegram. */
-static sis_record_t *
-next_record(packet_info *pinfo, const sis_record_t *before)
-{
-    return before != NULL ? before->next : p_get_proto_data(wmem_file_scope(), pinfo, proto_sis, 0);
-}
-
-static sis_record_t *
-add_record(packet_info *pinfo, sis_record_t *before, const sis_telegram_t *telegram)
-{
-    sis_record_t *record = wmem_new0(wmem_file_scope(), sis_record_t);
-
-    record->service = telegram->service;
-    record->is_reaction = telegram->is_reaction;
-    if (before != NULL)
-        before->next = record;
-    else
-        p_add_proto_data(wmem_file_scope(), pinfo, proto_sis, 0, record);
-    return record;
-}
-
-/* Of a telegram that the first pass did not see: TCP reassembled its segments differently. */
-static sis_record_t *
-unseen_record(packet_info *pinfo)
-{
-    sis_record_t *record = wmem_new0(pinfo->pool, sis_record_t);
-
-    record->load = -1;
-    return record;
-}
-
-/* First pass: its relations to the telegrams before it. */
-static void
-note_telegram(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
+void
+sis_exchange_learn(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo,
+                   const sis_telegram_t *telegram)
 {
     const sertap_record_t *tap = sertap_record(pinfo);
-    sis_bus_t *bus = sis_exchange_bus(pinfo);
 
     if (tap != NULL)
         note_disturbance(bus, tap);
@@ -457,190 +417,6 @@ note_telegram(sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, const sis
     else
         end_exchange(record, bus, tvb, pinfo, telegram);
     bus->damage.is_there = false;
-}
-
-sis_record_t *
-sis_exchange_find(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
-{
-    sis_packet_t *packet = sis_packet(pinfo);
-    sis_record_t *record = next_record(pinfo, packet->found);
-
-    if (record == NULL && pinfo->fd->visited)
-        return unseen_record(pinfo);
-    if (record == NULL) {
-        record = add_record(pinfo, packet->found, telegram);
-        note_telegram(record, tvb, pinfo, telegram);
-    }
-    packet->found = record;
-    if (record->service != telegram->service || record->is_reaction != telegram->is_reaction)
-        return unseen_record(pinfo);
-    return record;
-}
-
-const sis_rare_t *
-sis_rare(const sis_record_t *record)
-{
-    static const sis_rare_t none;
-
-    return record->rare != NULL ? record->rare : &none;
-}
-
-sis_rare_t *
-sis_make_rare(sis_record_t *record)
-{
-    if (record->rare == NULL)
-        record->rare = wmem_new0(wmem_file_scope(), sis_rare_t);
-    return record->rare;
-}
-
-const sis_step_t *
-sis_step(const sis_record_t *record, unsigned element)
-{
-    static const sis_step_t none;
-    const sis_step_t *step = sis_rare(record)->steps;
-
-    while (step != NULL && step->element != element)
-        step = step->next;
-    return step != NULL ? step : &none;
-}
-
-sis_step_t *
-sis_make_step(sis_record_t *record, unsigned element)
-{
-    sis_step_t **link = &sis_make_rare(record)->steps;
-
-    while (*link != NULL && (*link)->element != element)
-        link = &(*link)->next;
-    if (*link == NULL) {
-        *link = wmem_new0(wmem_file_scope(), sis_step_t);
-        (*link)->element = element;
-    }
-    return *link;
-}
-
-bool
-sis_exchange_is_swapped(const sis_record_t *record, const sis_telegram_t *telegram)
-{
-    return telegram->is_reaction && record->exchange != NULL &&
-           command_direction(telegram) != record->exchange->direction;
-}
-
-const sis_request_t *
-sis_exchange_same(const sis_exchange_t *exchange)
-{
-    return exchange->stream->from[exchange->direction].same;
-}
-
-/* A request again, because there was no good reaction to the one before: it is the same step of a transfer,
- * and writes the same. */
-static void
-take_over(sis_request_t *request, const sis_request_t *before)
-{
-    if (request->transfer == 0)
-        request->transfer = before->transfer;
-    if (request->written == NULL) {
-        request->written = before->written;
-        request->written_length = before->written_length;
-    }
-}
-
-/* `before`: the request of the command before, if it had the same bytes; else NULL. */
-static sis_request_t *
-copy_request(const sis_request_t *request, const sis_request_t *before, bool is_repeat)
-{
-    sis_request_t *copy;
-
-    if (request == NULL)
-        return NULL;
-    copy = wmem_memdup(wmem_file_scope(), request, sizeof *request);
-    if (before != NULL && (is_repeat || before->is_to_be_repeated))
-        take_over(copy, before);
-    copy->list = copy_request(request->list, before != NULL ? before->list : NULL, is_repeat);
-    copy->next = copy_request(request->next, before != NULL ? before->next : NULL, is_repeat);
-    return copy;
-}
-
-void
-sis_exchange_keep(sis_exchange_t *exchange, const sis_request_t *request)
-{
-    if (exchange->request == NULL)
-        exchange->request = copy_request(request, sis_exchange_same(exchange), exchange->first != NULL);
-}
-
-static void
-show_command(const sis_exchange_t *exchange, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
-             proto_item *root, wmem_strbuf_t *marks)
-{
-    add_link(tree, hf_sis_reaction_in, tvb, exchange->reaction_in);
-    if (exchange->first != NULL)
-        add_link(tree, hf_sis_repeat_of, tvb, exchange->first->command_in);
-    add_link(tree, hf_sis_unanswered_before, tvb, exchange->gave_up);
-    if (sis_exchange_above(exchange) != NULL)
-        add_link(tree, hf_sis_routed_from, tvb, sis_exchange_above(exchange)->command_in);
-    add_link(tree, hf_sis_next_command_in, tvb, exchange->next_command_in);
-    if (exchange->first != NULL) {
-        expert_add_info(pinfo, root, &ei_sis_command_repeat);
-        wmem_strbuf_append(marks, "  [repeat]");
-    }
-    if (exchange->next_command_in != 0) {
-        expert_add_info_format(pinfo, root, &ei_sis_command_unanswered,
-                               "No reaction before the next command%s",
-                               exchange->is_reaction_damaged ? "; a damaged telegram came between" : "");
-        wmem_strbuf_append(marks, "  [no reaction]");
-    }
-}
-
-static void
-show_origin(const sis_rare_t *rare, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, proto_item *root)
-{
-    if (rare->origin == SIS_TO_DAMAGED) {
-        proto_item_append_text(add_link(tree, hf_sis_command_in, tvb, rare->damaged_in), ", damaged");
-        expert_add_info(pinfo, root, &ei_sis_reaction_to_damaged);
-    } else if (rare->origin == SIS_OWN_NUMBER) {
-        expert_add_info_format(pinfo, root, &ei_sis_reaction_unasked,
-                               "A command to 128 is answered with 128, not with the station's own number");
-    } else {
-        expert_add_info(pinfo, root, &ei_sis_reaction_unasked);
-    }
-}
-
-static void
-show_reaction(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
-              proto_item *root)
-{
-    const sis_exchange_t *exchange = record->exchange;
-    proto_item *command;
-
-    if (exchange == NULL) {
-        show_origin(sis_rare(record), tvb, pinfo, tree, root);
-        return;
-    }
-    command = add_link(tree, hf_sis_command_in, tvb, exchange->command_in);
-    add_link(tree, hf_sis_routed_from, tvb, sis_rare(record)->routed_from);
-    add_link(tree, hf_sis_answered_in, tvb, record->reaction_before);
-    if (record->reaction_before != 0)
-        expert_add_info(pinfo, root, &ei_sis_reaction_again);
-    else if (exchange->has_time && !exchange->is_measured)
-        proto_item_append_text(command, ", %s: the reaction time is not known",
-                               exchange->reaction_time == 0 ? "in the same read"
-                                                            : "whose end has a later time");
-    else if (exchange->has_time && tree != NULL) {
-        proto_item_set_generated(
-            sertap_add_ms(tree, hf_sis_reaction_time, tvb, 0, 0, pinfo->pool, exchange->reaction_time));
-        sertap_add_column_ms(tree, hf_sis_reaction_time_ms, tvb, exchange->reaction_time);
-    }
-}
-
-void
-sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
-                  proto_item *root, const sis_telegram_t *telegram, wmem_strbuf_t *marks)
-{
-    if (record->exchange != NULL)
-        add_generated(tree, hf_sis_stream, tvb, record->exchange->stream->number);
-    if (telegram->is_reaction)
-        show_reaction(record, tvb, pinfo, tree, root);
-    else if (record->exchange != NULL)
-        show_command(record->exchange, tvb, pinfo, tree, root, marks);
 }
 
 void

@@ -11,6 +11,7 @@
 #include "protocol/limits.h"
 #include "sis/address.h"
 #include "sis/dispatch.h"
+#include "sis/learn.h"
 #include "sis/packed.h"
 #include "sis/segments.h"
 #include "sis/timing.h"
@@ -245,15 +246,106 @@ dissect_addresses(const dissection_t *d)
     proto_item_set_hidden(add_generated(d->tree, hf_sis_station, d->tvb, d->telegram->listener));
 }
 
+static void
+show_command(const dissection_t *d, const sis_exchange_t *exchange)
+{
+    add_link(d->tree, hf_sis_reaction_in, d->tvb, exchange->reaction_in);
+    if (exchange->first != NULL)
+        add_link(d->tree, hf_sis_repeat_of, d->tvb, exchange->first->command_in);
+    add_link(d->tree, hf_sis_unanswered_before, d->tvb, exchange->gave_up);
+    if (sis_exchange_above(exchange) != NULL)
+        add_link(d->tree, hf_sis_routed_from, d->tvb, sis_exchange_above(exchange)->command_in);
+    add_link(d->tree, hf_sis_next_command_in, d->tvb, exchange->next_command_in);
+    if (exchange->first != NULL) {
+        expert_add_info(d->pinfo, d->root, &ei_sis_command_repeat);
+        wmem_strbuf_append(d->marks, "  [repeat]");
+    }
+    if (exchange->next_command_in != 0) {
+        expert_add_info_format(d->pinfo, d->root, &ei_sis_command_unanswered,
+                               "No reaction before the next command%s",
+                               exchange->is_reaction_damaged ? "; a damaged telegram came between" : "");
+        wmem_strbuf_append(d->marks, "  [no reaction]");
+    }
+}
+
+static void
+show_origin(const dissection_t *d)
+{
+    const sis_rare_t *rare = sis_rare(d->record, 0);
+
+    if (rare->origin == SIS_TO_DAMAGED) {
+        proto_item_append_text(add_link(d->tree, hf_sis_command_in, d->tvb, rare->damaged_in), ", damaged");
+        expert_add_info(d->pinfo, d->root, &ei_sis_reaction_to_damaged);
+    } else if (rare->origin == SIS_OWN_NUMBER) {
+        expert_add_info_format(d->pinfo, d->root, &ei_sis_reaction_unasked,
+                               "A command to 128 is answered with 128, not with the station's own number");
+    } else {
+        expert_add_info(d->pinfo, d->root, &ei_sis_reaction_unasked);
+    }
+}
+
+static void
+show_reaction(const dissection_t *d)
+{
+    const sis_record_t *record = d->record;
+    const sis_exchange_t *exchange = record->exchange;
+    proto_item *command;
+
+    if (exchange == NULL) {
+        show_origin(d);
+        return;
+    }
+    command = add_link(d->tree, hf_sis_command_in, d->tvb, exchange->command_in);
+    add_link(d->tree, hf_sis_routed_from, d->tvb, sis_rare(record, 0)->routed_from);
+    add_link(d->tree, hf_sis_answered_in, d->tvb, record->reaction_before);
+    if (record->reaction_before != 0)
+        expert_add_info(d->pinfo, d->root, &ei_sis_reaction_again);
+    else if (exchange->has_time && !exchange->is_measured)
+        proto_item_append_text(command, ", %s: the reaction time is not known",
+                               exchange->reaction_time == 0 ? "in the same read"
+                                                            : "whose end has a later time");
+    else if (exchange->has_time && d->tree != NULL) {
+        proto_item_set_generated(sertap_add_ms(d->tree, hf_sis_reaction_time, d->tvb, 0, 0, d->pinfo->pool,
+                                               exchange->reaction_time));
+        sertap_add_column_ms(d->tree, hf_sis_reaction_time_ms, d->tvb, exchange->reaction_time);
+    }
+}
+
+/* Command and reaction, repeats, and the same exchange on other levels. */
+static void
+show_relations(const dissection_t *d)
+{
+    const sis_exchange_t *exchange = d->record->exchange;
+
+    if (exchange != NULL)
+        add_generated(d->tree, hf_sis_stream, d->tvb, exchange->stream->number);
+    if (d->telegram->is_reaction)
+        show_reaction(d);
+    else if (exchange != NULL)
+        show_command(d, exchange);
+}
+
+/* The request of an exchange is written when its command is read for the first time. */
+static void
+set_request(sis_body_t *body, const sis_exchange_t *exchange)
+{
+    bool is_read = exchange != NULL && exchange->request->is_read;
+
+    if (is_read)
+        body->asked = exchange->request;
+    if (body->is_reaction)
+        return;
+    body->request = exchange != NULL && !is_read
+                        ? exchange->request
+                        : sis_request_new(body->pinfo->pool, body->service, NULL, false);
+}
+
 /* Decodes the useful data, with data of their exchange. Returns words for the packet list. */
 static const char *
 dissect_useful_data(const dissection_t *d)
 {
     wmem_allocator_t *pool = d->pinfo->pool;
     const sis_telegram_t *telegram = d->telegram;
-    sis_record_t *record = d->record;
-    sis_exchange_t *exchange = record->exchange;
-    sis_request_t request = {.service = telegram->service};
     sis_body_t body = {.telegram = telegram,
                        .tvb = d->tvb,
                        .pinfo = d->pinfo,
@@ -267,18 +359,13 @@ dissect_useful_data(const dissection_t *d)
                        .service = telegram->service,
                        .summary = wmem_strbuf_new(pool, sis_service_name(pool, telegram->service)),
                        .marks = d->marks,
-                       .request = telegram->is_reaction ? NULL : &request,
-                       .asked = exchange != NULL ? exchange->request : NULL,
-                       .before = exchange != NULL ? sis_exchange_same(exchange) : NULL,
-                       .record = telegram->is_good ? record : NULL};
+                       .record = telegram->is_good ? d->record : NULL};
 
-    sis_timing_note(record, telegram, d->pinfo);
+    set_request(&body, d->record->exchange);
     if (telegram->is_good)
-        sis_exchange_show(record, d->tvb, d->pinfo, d->tree, d->root, telegram, d->marks);
+        show_relations(d);
     sis_dissect_body(&body);
-    if (exchange != NULL && !telegram->is_reaction)
-        sis_exchange_keep(exchange, &request);
-    sis_timing_dissect(d->telegram, record, &body);
+    sis_timing_dissect(d->telegram, d->record, &body);
     d->telegram->status_text = body.status_text;
     d->telegram->error_text = body.error_text;
     d->telegram->error = body.error;
@@ -331,12 +418,12 @@ stations_text(const dissection_t *d)
 /* Relations of the telegram, and its real talker: a reaction keeps its command's addresses, unless a
  * device has swapped them. */
 static void
-find_exchange(dissection_t *d)
+find_record(dissection_t *d)
 {
     sis_telegram_t *telegram = d->telegram;
 
-    d->record = sis_exchange_find(d->tvb, d->pinfo, telegram);
-    if (sis_exchange_is_swapped(d->record, telegram)) {
+    d->record = sis_learn_telegram(d->tvb, d->pinfo, telegram);
+    if (d->record->is_swapped) {
         telegram->talker = telegram->sender;
         telegram->listener = telegram->receiver;
     }
@@ -362,7 +449,7 @@ dissect_whole_telegram(dissection_t *d)
     const char *stations, *kind, *words;
 
     d->telegram = sis_telegram_read(d->tvb, d->pinfo);
-    find_exchange(d);
+    find_record(d);
     sis_set_addresses(d->pinfo, d->telegram->talker, d->telegram->listener);
     dissect_start(d);
     dissect_checksum(d);

@@ -18,14 +18,21 @@
 
 #define LENGTH_WORDS 4u /* of a list: actual and maximum length, two bytes each */
 
-/* A transfer under way, from one station to another. */
-typedef struct sis_transfer {
-    struct sis_transfer *next;      /* between the same stations */
-    wmem_list_frame_t *place;       /* among all of the bus */
-    const sis_exchange_t *exchange; /* that began it */
+/* What a transfer is about; constant for all its pieces. */
+typedef struct {
     uint8_t service;
     bool is_in_list; /* of elements of service 0x04 */
-    sis_subject_t subject;
+    sis_ident_t ident;
+    uint8_t element;
+    uint8_t device;
+    uint32_t segment; /* as requested */
+} subject_t;
+
+/* A transfer under way, from one station to another. */
+typedef struct sis_transfer {
+    struct sis_transfer *next;      /* of the same bus */
+    const sis_exchange_t *exchange; /* that began it */
+    subject_t subject;
     uint32_t number;
     uint32_t begun_in;
     uint32_t last_in;       /* the latest piece */
@@ -42,78 +49,83 @@ typedef struct sis_transfer {
     bool is_begun_anew;
 } transfer_t;
 
-static transfer_t **
-transfers_of(const sis_exchange_t *exchange)
+/* Whether a transfer is one of these two stations, in this direction. */
+static bool
+is_between(const transfer_t *transfer, const sis_exchange_t *exchange)
 {
-    return &exchange->stream->from[exchange->direction].transfers;
-}
-
-/* All that are under way on a bus, the oldest first. */
-static wmem_list_t *
-open_on(sis_bus_t *bus)
-{
-    if (bus->open == NULL)
-        bus->open = wmem_list_new(wmem_file_scope());
-    return bus->open;
+    return sis_exchange_direction(transfer->exchange) == sis_exchange_direction(exchange);
 }
 
 /* An element of a list and a telegram are never steps of one transfer: between its telegrams, the service
  * stays the same (0xF8, fig. 2-18). */
 static bool
-is_same_transfer(const transfer_t *a, const transfer_t *b)
+is_same(const subject_t *one, const subject_t *other)
 {
-    const sis_subject_t *one = &a->subject, *other = &b->subject;
-
-    return a->service == b->service && a->is_in_list == b->is_in_list && one->element == other->element &&
-           one->device == other->device && one->ident.type == other->ident.type &&
-           one->ident.number == other->ident.number && one->segment == other->segment;
+    return one->service == other->service && one->is_in_list == other->is_in_list &&
+           one->element == other->element && one->device == other->device &&
+           one->ident.type == other->ident.type && one->ident.number == other->ident.number &&
+           one->segment == other->segment;
 }
 
-/* The link to this transfer; the end of the list if it is not under way. */
-static transfer_t **
-find_transfer(const sis_exchange_t *exchange, const transfer_t *like)
+/* What a command asks for, as a transfer. */
+static subject_t
+subject_of(const sis_request_t *request, bool is_in_list)
 {
-    transfer_t **link = transfers_of(exchange);
+    return (subject_t){request->service, is_in_list,      request->ident,
+                       request->element, request->device, request->segment};
+}
 
-    while (*link != NULL && !is_same_transfer(*link, like))
-        link = &(*link)->next;
-    return link;
+/* Of an element of a list, or of a list as a whole. */
+static bool
+is_in_list(const sis_body_t *body)
+{
+    return body->element != 0 || body->service == SIS_LIST;
+}
+
+/* NULL: it is not under way. */
+static transfer_t *
+find_transfer(const sis_exchange_t *exchange, const subject_t *subject)
+{
+    transfer_t *transfer = exchange->stream->bus->open;
+
+    while (transfer != NULL && !(is_between(transfer, exchange) && is_same(&transfer->subject, subject)))
+        transfer = transfer->next;
+    return transfer;
 }
 
 /* Whether the same data are under way in telegrams, if these are in a list, or the other way round. */
 static bool
-is_under_way_apart(const sis_exchange_t *exchange, const transfer_t *like)
+is_under_way_apart(const sis_exchange_t *exchange, const subject_t *subject)
 {
-    transfer_t apart = *like;
+    subject_t apart = *subject;
 
     apart.is_in_list = !apart.is_in_list;
-    return *find_transfer(exchange, &apart) != NULL;
+    return find_transfer(exchange, &apart) != NULL;
 }
 
 static void
 end_transfer(transfer_t *transfer)
 {
-    transfer_t **link = transfers_of(transfer->exchange);
+    transfer_t **link = &transfer->exchange->stream->bus->open;
 
     while (*link != transfer)
         link = &(*link)->next;
     *link = transfer->next;
-    wmem_list_remove_frame(open_on(transfer->exchange->stream->bus), transfer->place);
     wmem_free(wmem_file_scope(), transfer);
 }
 
 static void
 note_end(const sis_body_t *body, const transfer_t *transfer, const char *reason)
 {
-    sis_step_t *step;
+    sis_rare_t *rare;
     sis_ended_t *ended;
 
     if (transfer->is_refused) /* already reported */
         return;
-    step = sis_make_step(body->record, body->element);
+    rare = sis_make_rare(body->record, body->element);
     ended = wmem_new(wmem_file_scope(), sis_ended_t);
-    *ended = (sis_ended_t){step->ended, transfer->begun_in, reason};
-    step->ended = ended;
+    *ended = (sis_ended_t){rare->ended, transfer->begun_in, reason};
+    rare->ended = ended;
 }
 
 static void
@@ -123,22 +135,21 @@ end_with_note(const sis_body_t *body, transfer_t *transfer, const char *reason)
     end_transfer(transfer);
 }
 
-/* Appends a transfer to the lists. Their length is limited, so the oldest may be dropped. */
+/* Appends a transfer to the list of its bus, whose length is limited: so the oldest may be dropped. */
 static transfer_t *
-open_transfer(const sis_body_t *body, const transfer_t *like)
+open_transfer(const sis_body_t *body, const subject_t *subject)
 {
     const sis_exchange_t *exchange = body->record->exchange;
-    wmem_list_t *open = open_on(exchange->stream->bus);
-    transfer_t **link, *transfer;
+    transfer_t **link = &exchange->stream->bus->open, *transfer = wmem_new0(wmem_file_scope(), transfer_t);
+    unsigned count = 0;
 
-    if (wmem_list_count(open) >= SIS_MOST_OPEN)
-        end_with_note(body, wmem_list_frame_data(wmem_list_head(open)), "too many others have begun since");
-    for (link = transfers_of(exchange); *link != NULL; link = &(*link)->next)
-        ;
-    transfer = *link = wmem_memdup(wmem_file_scope(), like, sizeof *like);
+    for (; *link != NULL; link = &(*link)->next)
+        count++;
+    *link = transfer;
+    transfer->subject = *subject;
     transfer->exchange = exchange;
-    wmem_list_append(open, transfer);
-    transfer->place = wmem_list_tail(open);
+    if (count >= SIS_MOST_OPEN)
+        end_with_note(body, exchange->stream->bus->open, "too many others have begun since");
     return transfer;
 }
 
@@ -150,16 +161,7 @@ is_taken_before(const sis_body_t *body)
 
     if (body->is_reaction)
         return record->reaction_before != 0 || record->exchange->is_kept_reaction_seen;
-    return record->exchange->first != NULL || (body->before != NULL && body->before->is_to_be_repeated);
-}
-
-/* The transfer of the same step before; 0: none. */
-static uint32_t
-transfer_before(const sis_body_t *body)
-{
-    const sis_request_t *before = body->is_reaction ? body->asked : body->before;
-
-    return before != NULL ? before->transfer : 0;
+    return body->request->is_again;
 }
 
 static unsigned
@@ -233,10 +235,10 @@ follow_break(transfer_t *transfer, const sis_body_t *body, bool is_last)
 /* The transfer of a new piece; NULL: it has none, because it is the only piece. Behind a cancel in the same
  * list, written data begin anew. */
 static transfer_t *
-transfer_for(const sis_body_t *body, const transfer_t *like, bool is_last)
+transfer_for(const sis_body_t *body, const subject_t *subject, bool is_last)
 {
     const sis_exchange_t *exchange = body->record->exchange;
-    transfer_t *transfer = *find_transfer(exchange, like);
+    transfer_t *transfer = find_transfer(exchange, subject);
     bool is_after = transfer != NULL && !body->is_reaction && transfer->cancelled_in == exchange->command_in;
     bool is_apart;
 
@@ -247,10 +249,10 @@ transfer_for(const sis_body_t *body, const transfer_t *like, bool is_last)
             follow_break(transfer, body, is_last);
         return transfer;
     }
-    is_apart = is_under_way_apart(exchange, like);
+    is_apart = is_under_way_apart(exchange, subject);
     if (is_last && !is_apart)
         return NULL;
-    transfer = open_transfer(body, like);
+    transfer = open_transfer(body, subject);
     begin_transfer(transfer, body);
     transfer->is_broken = is_apart; /* it may be a later piece of those */
     transfer->begun_after = is_after ? exchange->command_in : 0;
@@ -259,33 +261,33 @@ transfer_for(const sis_body_t *body, const transfer_t *like, bool is_last)
 
 /* A step again adds nothing to its transfer, which may be over. */
 static void
-note_repeated(const sis_body_t *body, const transfer_t *like)
+note_repeated(const sis_body_t *body, const subject_t *subject)
 {
-    const transfer_t *transfer = *find_transfer(body->record->exchange, like);
-    uint32_t number = transfer != NULL ? transfer->number : transfer_before(body);
-    sis_step_t *step;
+    const transfer_t *transfer = find_transfer(body->record->exchange, subject);
+    uint32_t number = transfer != NULL ? transfer->number : sis_request_of(body)->transfer;
+    sis_rare_t *rare;
 
     if (number == 0)
         return;
-    step = sis_make_step(body->record, body->element);
-    step->transfer = number;
-    step->is_piece_repeated = true;
-    step->is_piece_missing = transfer != NULL && transfer->is_broken;
-    step->is_doubtful = transfer != NULL && transfer->is_doubtful;
+    rare = sis_make_rare(body->record, body->element);
+    rare->transfer = number;
+    rare->is_piece_repeated = true;
+    rare->is_piece_missing = transfer != NULL && transfer->is_broken;
+    rare->is_doubtful = transfer != NULL && transfer->is_doubtful;
 }
 
 /* The transfer of these data; decided once, in the order of the capture. Returns the number of the piece. */
 static unsigned
-place_piece(const sis_body_t *body, const transfer_t *like, bool is_last)
+place_piece(const sis_body_t *body, const subject_t *subject, bool is_last)
 {
     const sis_exchange_t *exchange = body->record->exchange;
-    transfer_t *transfer = transfer_for(body, like, is_last);
-    sis_step_t *step;
+    transfer_t *transfer = transfer_for(body, subject, is_last);
+    sis_rare_t *rare;
     unsigned number;
 
     if (transfer == NULL)
         return 0;
-    (body->is_reaction ? body->asked : body->request)->transfer = transfer->number;
+    sis_request_of(body)->transfer = transfer->number;
     if (is_piece_missing(body->record, transfer) ||
         transfer->received + sis_left(body) > SIS_MOST_LIST + LENGTH_WORDS ||
         transfer->pieces == SIS_MOST_PIECES)
@@ -294,11 +296,11 @@ place_piece(const sis_body_t *body, const transfer_t *like, bool is_last)
     transfer->damaged_count = exchange->stream->bus->damaged_count;
     transfer->received += sis_left(body);
     number = transfer->pieces++;
-    step = sis_make_step(body->record, body->element);
-    step->transfer = transfer->number;
-    step->is_piece_missing = transfer->is_broken;
-    step->is_doubtful = transfer->is_doubtful;
-    step->is_begun_anew = is_last && transfer->is_begun_anew;
+    rare = sis_make_rare(body->record, body->element);
+    rare->transfer = transfer->number;
+    rare->is_piece_missing = transfer->is_broken;
+    rare->is_doubtful = transfer->is_doubtful;
+    rare->is_begun_anew = is_last && transfer->is_begun_anew;
     if (is_last)
         end_transfer(transfer);
     return number;
@@ -310,7 +312,7 @@ check_announced(sis_body_t *body, tvbuff_t *whole)
 {
     unsigned length = tvb_captured_length(whole), announced;
 
-    if (!sis_step(body->record, body->element)->is_begun_anew || length < LENGTH_WORDS)
+    if (!sis_rare(body->record, body->element)->is_begun_anew || length < LENGTH_WORDS)
         return;
     announced = tvb_get_letohs(whole, 0) + LENGTH_WORDS;
     if (announced != length)
@@ -321,58 +323,49 @@ check_announced(sis_body_t *body, tvbuff_t *whole)
 static tvbuff_t *
 put_together(sis_body_t *body, tvbuff_t *piece, unsigned number, bool is_last)
 {
-    const sis_step_t *step = sis_step(body->record, body->element);
+    const sis_rare_t *rare = sis_rare(body->record, body->element);
     tvbuff_t *whole;
 
     body->item = body->root;
-    if (step->is_piece_missing)
+    if (rare->is_piece_missing)
         sis_mark(body, &ei_sis_sequence_piece_missing, "a piece may be missing");
-    if (step->is_doubtful)
+    if (rare->is_doubtful)
         sis_mark(body, &ei_sis_body_note,
                  "a cancel was not confirmed: it is not known whether the transfer goes on");
-    if (step->is_piece_missing || step->is_piece_repeated)
+    if (rare->is_piece_missing || rare->is_piece_repeated)
         return NULL;
     whole =
-        sis_put_together(SIS_PIECES_OF_SIS, body->tree, body->pinfo, piece, step->transfer, number, is_last);
+        sis_put_together(SIS_PIECES_OF_SIS, body->tree, body->pinfo, piece, rare->transfer, number, is_last);
     if (whole != NULL)
         check_announced(body, whole);
     return whole;
 }
 
-/* Of an element of a list, or of a list as a whole. */
-static bool
-is_in_list(const sis_body_t *body)
+/* First pass: finds the transfer of these data. Only its last piece may be empty. Returns the number of the
+ * piece. */
+static unsigned
+learn_piece(const sis_body_t *body, bool is_last)
 {
-    return body->element != 0 || body->service == SIS_LIST;
-}
+    const sis_exchange_t *exchange = body->record->exchange;
+    subject_t subject = subject_of(sis_request_of(body), is_in_list(body));
 
-bool
-sis_is_sequence_open(const sis_body_t *body, const sis_subject_t *subject)
-{
-    transfer_t like = {.service = body->service, .is_in_list = is_in_list(body), .subject = *subject};
-    const sis_exchange_t *exchange;
-
-    if (!sis_has_exchange(body))
-        return false;
-    if (body->pinfo->fd->visited)
-        return sis_is_piece(body);
-    exchange = body->record->exchange;
-    return *find_transfer(exchange, &like) != NULL || is_under_way_apart(exchange, &like);
+    if (sis_left(body) == 0 && find_transfer(exchange, &subject) == NULL &&
+        !is_under_way_apart(exchange, &subject))
+        return 0;
+    if (!is_taken_before(body))
+        return place_piece(body, &subject, is_last);
+    note_repeated(body, &subject);
+    return 0;
 }
 
 tvbuff_t *
-sis_sequence_data(sis_body_t *body, const sis_subject_t *subject, bool is_last)
+sis_sequence_data(sis_body_t *body, bool is_last)
 {
     tvbuff_t *alone = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
-    transfer_t like = {.service = body->service, .is_in_list = is_in_list(body), .subject = *subject};
     unsigned number = 0;
 
-    if (sis_has_exchange(body) && !body->pinfo->fd->visited) {
-        if (is_taken_before(body))
-            note_repeated(body, &like);
-        else
-            number = place_piece(body, &like, is_last);
-    }
+    if (sis_has_exchange(body) && !body->pinfo->fd->visited)
+        number = learn_piece(body, is_last);
     if (sis_is_piece(body))
         return put_together(body, alone, number, is_last);
     return is_last ? alone : NULL;
@@ -381,13 +374,13 @@ sis_sequence_data(sis_body_t *body, const sis_subject_t *subject, bool is_last)
 bool
 sis_is_piece(const sis_body_t *body)
 {
-    return body->record != NULL && sis_step(body->record, body->element)->transfer != 0;
+    return body->record != NULL && sis_rare(body->record, body->element)->transfer != 0;
 }
 
 bool
 sis_is_doubtful(const sis_body_t *body)
 {
-    return body->record != NULL && sis_step(body->record, body->element)->is_doubtful;
+    return body->record != NULL && sis_rare(body->record, body->element)->is_doubtful;
 }
 
 /* A list with an announced length may continue after 0xF8, or restart. */
@@ -401,15 +394,6 @@ refuse(const sis_body_t *body, transfer_t *transfer, sis_request_t *asked)
     note_end(body, transfer, "refused");
     transfer->is_refused = true;
     asked->is_to_be_repeated = true;
-}
-
-/* What a command asks for, as a transfer. */
-static transfer_t
-transfer_of(const sis_request_t *asked, bool is_listed)
-{
-    return (transfer_t){.service = asked->service,
-                        .is_in_list = is_listed,
-                        .subject = {asked->ident, asked->element, asked->device, asked->segment}};
 }
 
 static uint8_t
@@ -429,7 +413,7 @@ reaches(const sis_exchange_t *cancel, const sis_exchange_t *other)
     unsigned routers = cancel->path_length - 1u;
 
     if (sis_is_answered(cancel->station))
-        return cancel->stream == other->stream && cancel->direction == other->direction;
+        return sis_exchange_direction(cancel) == sis_exchange_direction(other);
     if (master_of(cancel) != master_of(other) || other->path_length <= routers ||
         memcmp(cancel->path, other->path, routers) != 0)
         return false;
@@ -441,7 +425,7 @@ static bool
 is_cancelled(const sis_request_t *cancel, const transfer_t *transfer)
 {
     bool is_device = transfer->subject.device == cancel->device,
-         is_service = transfer->service == cancel->subservice;
+         is_service = transfer->subject.service == cancel->subservice;
 
     if (cancel->has_device && cancel->has_subservice)
         return is_device && is_service;
@@ -493,12 +477,10 @@ static void
 watch_cancel(const sis_body_t *body, const sis_request_t *cancel)
 {
     const sis_exchange_t *exchange = body->record->exchange;
-    wmem_list_frame_t *frame = wmem_list_head(open_on(exchange->stream->bus));
+    transfer_t *next;
 
-    while (frame != NULL) {
-        transfer_t *transfer = wmem_list_frame_data(frame);
-
-        frame = wmem_list_frame_next(frame);
+    for (transfer_t *transfer = exchange->stream->bus->open; transfer != NULL; transfer = next) {
+        next = transfer->next;
         if (reaches(exchange, transfer->exchange) && is_cancelled(cancel, transfer))
             cancel_transfer(body, transfer);
     }
@@ -511,9 +493,9 @@ is_step_in_list(const sis_body_t *body, const transfer_t *transfer)
     const sis_request_t *asked = body->element != 0 ? body->record->exchange->request->list : NULL;
 
     while (asked != NULL) {
-        transfer_t like = transfer_of(asked, true);
+        subject_t subject = subject_of(asked, true);
 
-        if (is_same_transfer(&like, transfer))
+        if (is_same(&subject, &transfer->subject))
             return true;
         asked = asked->next;
     }
@@ -523,14 +505,15 @@ is_step_in_list(const sis_body_t *body, const transfer_t *transfer)
 /* A device has one transfer at a time: a successful access to another parameter has ended the first. Those of
  * one list go on together: the station executes all of it (chapter 7). */
 static void
-end_others(const sis_body_t *body, const transfer_t *like)
+end_others(const sis_body_t *body, const subject_t *subject)
 {
+    const sis_exchange_t *exchange = body->record->exchange;
     transfer_t *next;
 
-    for (transfer_t *transfer = *transfers_of(body->record->exchange); transfer != NULL; transfer = next) {
+    for (transfer_t *transfer = exchange->stream->bus->open; transfer != NULL; transfer = next) {
         next = transfer->next;
-        if (transfer->subject.device == like->subject.device && !is_same_transfer(transfer, like) &&
-            !is_step_in_list(body, transfer))
+        if (is_between(transfer, exchange) && transfer->subject.device == subject->device &&
+            !is_same(&transfer->subject, subject) && !is_step_in_list(body, transfer))
             end_with_note(body, transfer, "another access to the device came between");
     }
 }
@@ -538,12 +521,12 @@ end_others(const sis_body_t *body, const transfer_t *like)
 static void
 watch_access(const sis_body_t *body, sis_request_t *asked)
 {
-    transfer_t like = transfer_of(asked, is_in_list(body));
-    transfer_t *transfer = *find_transfer(body->record->exchange, &like);
+    subject_t subject = subject_of(asked, is_in_list(body));
+    transfer_t *transfer = find_transfer(body->record->exchange, &subject);
 
     asked->is_to_be_repeated = is_to_be_repeated(body);
     if (body->status == 0)
-        end_others(body, &like);
+        end_others(body, &subject);
     else if (transfer != NULL && !asked->is_to_be_repeated)
         refuse(body, transfer, asked);
 }
@@ -552,9 +535,11 @@ watch_access(const sis_body_t *body, sis_request_t *asked)
 static void
 lose_piece(const sis_body_t *body)
 {
-    for (transfer_t *transfer = *transfers_of(body->record->exchange); transfer != NULL;
-         transfer = transfer->next)
-        transfer->is_broken |= transfer->is_in_list && transfer->service == body->service;
+    const sis_exchange_t *exchange = body->record->exchange;
+
+    for (transfer_t *transfer = exchange->stream->bus->open; transfer != NULL; transfer = transfer->next)
+        transfer->is_broken |= is_between(transfer, exchange) && transfer->subject.is_in_list &&
+                               transfer->subject.service == body->service;
 }
 
 /* The reaction to a service, or to a list that was refused with it. */
@@ -567,8 +552,8 @@ watch_reaction(const sis_body_t *body, sis_request_t *asked)
         watch_access(body, asked);
 }
 
-static void
-watch(const sis_body_t *body)
+void
+sis_sequence_learn(const sis_body_t *body)
 {
     bool is_without_elements = body->status >= TELEGRAM_ERROR || body->error != 0;
 
@@ -586,9 +571,10 @@ watch(const sis_body_t *body)
 }
 
 /* The latest first, as they were noted. */
-static void
-show_ended(sis_body_t *body, const sis_ended_t *ended)
+void
+sis_sequence_show(sis_body_t *body)
 {
+    const sis_ended_t *ended = sis_rare(body->record, body->element)->ended;
     const char *reason = NULL;
 
     body->item = body->root;
@@ -598,18 +584,4 @@ show_ended(sis_body_t *body, const sis_ended_t *ended)
             sis_mark(body, &ei_sis_sequence_ended, "transfer ended unfinished: %s", ended->reason);
         reason = ended->reason;
     }
-}
-
-void
-sis_sequence_watch(sis_body_t *body)
-{
-    const sis_ended_t *ended;
-
-    if (!sis_has_exchange(body))
-        return;
-    if (!body->pinfo->fd->visited)
-        watch(body);
-    ended = sis_step(body->record, body->element)->ended;
-    if (ended != NULL)
-        show_ended(body, ended);
 }

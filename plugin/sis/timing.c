@@ -2,7 +2,7 @@
 /* Verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus is.
  *
  * A limit comes from a preference, else from the bus (bus.c), else from the user who captured. Without a
- * limit there is no verdict, nor if only packets have times. times.c computes the sis_verdicts. */
+ * limit there is no verdict, nor if only packets have times. times.c computes the verdicts. */
 #include "sis/timing.h"
 
 #include <math.h>
@@ -19,9 +19,6 @@
 
 /* An operator terminal considers its link lost after this silence (chapter 10.1). */
 #define OPERATOR_TERMINAL_SILENCE (200 * MS)
-
-/* After a silence that a record cannot hold, the bus is dead. */
-#define DEAD_BUS_SILENCE ((int64_t)UINT32_MAX)
 
 /* A telegram whose timing is examined. */
 typedef struct {
@@ -283,17 +280,10 @@ show_twm(const timing_t *t)
     }
 }
 
-/* Two master control words to the same drive. */
-typedef struct sis_cycle {
-    uint32_t frame; /* the one before */
-    int64_t ns;     /* from beginning to beginning */
-    sis_span_t span;
-} sis_cycle_t;
-
 static void
 show_tmas(const timing_t *t)
 {
-    const sis_cycle_t *cycle = sis_rare(t->record)->cycle;
+    const sis_cycle_t *cycle = sis_rare(t->record, 0)->cycle;
     int64_t longest = t->telegram->times.record != NULL ? limit(t, SIS_TMAS, 0) : 0;
     bool is_measured = sis_is_measured(cycle->ns, &t->telegram->times);
 
@@ -406,7 +396,7 @@ static bool
 is_anything_known(const timing_t *t)
 {
     return t->timing->has_silence || t->timing->longest.interval.at > 0 || t->timing->trs > 0 ||
-           t->timing->wait >= 0 || sis_rare(t->record)->cycle != NULL || is_rate_known(t) ||
+           t->timing->wait >= 0 || sis_rare(t->record, 0)->cycle != NULL || is_rate_known(t) ||
            t->record->load >= 0;
 }
 
@@ -415,7 +405,7 @@ static bool
 is_anything_judged(const timing_t *t)
 {
     return t->timing->tza > 0 || t->timing->trs > 0 || t->timing->wait >= 0 ||
-           sis_rare(t->record)->cycle != NULL || is_rate_known(t);
+           sis_rare(t->record, 0)->cycle != NULL || is_rate_known(t);
 }
 
 static void
@@ -430,135 +420,13 @@ show(timing_t *t)
         show_trs(t);
     if (t->timing->wait >= 0)
         show_twm(t);
-    if (sis_rare(t->record)->cycle != NULL)
+    if (sis_rare(t->record, 0)->cycle != NULL)
         show_tmas(t);
     show_bus(t);
 }
 
-/* Whether a command writes the master control word: S-0-0134 of SERCOS. The documents do not name the
- * telegram that carries it. */
-static const sis_request_t *
-find_control_word(const sis_request_t *request)
-{
-    const sis_request_t *element;
-
-    if (sis_general_service(request->service) == 0x1F && request->has_ident && request->ident.type == 0 &&
-        request->ident.number == 134 && request->element == SIS_ELEMENT_DATA)
-        return request;
-    for (element = request->list; element != NULL; element = element->next) {
-        if (find_control_word(element) != NULL)
-            return element;
-    }
-    return NULL;
-}
-
-/* The time of the last master control word to a drive. */
-typedef struct {
-    uint32_t frame;
-    sis_times_t times;
-} control_word_t;
-
-/* Of a bus; made when the first master control word comes. */
-struct sis_cycles {
-    wmem_map_t *words; /* the last to each drive */
-    int64_t heard;     /* when the last telegram ended, ns since 1970 */
-    uint32_t dead_in;  /* the last telegram after too long a silence; 0: none */
-};
-
-static struct sis_cycles *
-cycles_of(sis_bus_t *bus)
-{
-    if (bus->cycles == NULL) {
-        bus->cycles = wmem_new0(wmem_file_scope(), struct sis_cycles);
-        bus->cycles->words = wmem_map_new(wmem_file_scope(), g_direct_hash, g_direct_equal);
-    }
-    return bus->cycles;
-}
-
-static void
-note_heard(struct sis_cycles *cycles, const sis_times_t *times, uint32_t frame)
-{
-    if (cycles == NULL)
-        return;
-    if (sertap_elapsed(cycles->heard, times->begin) > DEAD_BUS_SILENCE)
-        cycles->dead_in = frame;
-    cycles->heard = times->end;
-}
-
-/* Tmas holds while the machine moves. After what ended here, the next word begins anew (docs/verdicts.md). */
-static uint32_t
-cycle_ended_in(const sis_record_t *record, const sis_times_t *times)
-{
-    const sis_stream_t *stream = record->exchange->stream;
-    const sis_setting_t *limit = record->settings != NULL ? &record->settings->of[SIS_TMAS] : NULL;
-    uint32_t ended_in = MAX(stream->idle_in, stream->bus->lost_in);
-
-    if (times->record != NULL)
-        ended_in = MAX(ended_in, sertap_disturbance(times->record).begun_in);
-    if (limit != NULL)
-        ended_in = MAX(ended_in, limit->accepted_in);
-    if (limit == NULL || limit->value * MS < DEAD_BUS_SILENCE)
-        ended_in = MAX(ended_in, stream->bus->cycles->dead_in);
-    return ended_in;
-}
-
-static sis_cycle_t *
-make_cycle(const control_word_t *last, const sis_times_t *times)
-{
-    sis_cycle_t *cycle = wmem_new(wmem_file_scope(), sis_cycle_t);
-
-    *cycle = (sis_cycle_t){last->frame, sertap_elapsed(last->times.begin, times->begin), {0, SIS_ANY_TIME}};
-    if (times->is_bounded && last->times.is_bounded)
-        cycle->span = sis_span(sertap_elapsed(last->times.begin_latest, times->begin_earliest),
-                               sertap_elapsed(last->times.begin_earliest, times->begin_latest));
-    return cycle;
-}
-
-static void
-note_cycle(sis_record_t *record, const sis_telegram_t *telegram, const sis_body_t *body)
-{
-    const sis_exchange_t *exchange = record->exchange;
-    const sis_request_t *request = body->request != NULL ? find_control_word(body->request) : NULL;
-    struct sis_cycles *cycles;
-    control_word_t *last;
-    void *key;
-
-    if (exchange == NULL || request == NULL)
-        return;
-    cycles = cycles_of(exchange->stream->bus);
-    key = GUINT_TO_POINTER(exchange->stream->number << 8 | request->device);
-    last = wmem_map_lookup(cycles->words, key);
-    if (last == NULL) {
-        last = wmem_new(wmem_file_scope(), control_word_t);
-        wmem_map_insert(cycles->words, key, last);
-    } else if (cycle_ended_in(record, &telegram->times) <= last->frame) {
-        sis_make_rare(record)->cycle = make_cycle(last, &telegram->times);
-    }
-    cycles->heard = telegram->times.end;
-    last->frame = body->pinfo->num;
-    last->times = telegram->times;
-}
-
-/* The slave of a swapped reaction is in its command. */
 void
-sis_timing_note(sis_record_t *record, const sis_telegram_t *telegram, packet_info *pinfo)
-{
-    uint8_t address = record->exchange != NULL ? record->exchange->path[0] : telegram->receiver;
-    sis_bus_t *bus = record->exchange != NULL ? record->exchange->stream->bus : sis_exchange_bus(pinfo);
-
-    if (pinfo->fd->visited)
-        return;
-    if (!telegram->is_good || !sis_is_answered(address))
-        address = SIS_ALL_STATIONS;
-    if (telegram->times.record != NULL)
-        sis_bus_learn_limits(bus, sertap_limits(telegram->times.record));
-    note_heard(bus->cycles, &telegram->times, pinfo->num);
-    record->settings = sis_bus_settings(bus, address, telegram->times.begin);
-    record->load = telegram->times.record != NULL ? sertap_load(telegram->times.record) : -1;
-}
-
-void
-sis_timing_dissect(sis_telegram_t *telegram, sis_record_t *record, const sis_body_t *body)
+sis_timing_dissect(sis_telegram_t *telegram, const sis_record_t *record, const sis_body_t *body)
 {
     timing_t t = {.telegram = telegram,
                   .timing = &telegram->timing,
@@ -566,8 +434,6 @@ sis_timing_dissect(sis_telegram_t *telegram, sis_record_t *record, const sis_bod
                   .body = body,
                   .pinfo = body->pinfo};
 
-    if (!body->pinfo->fd->visited)
-        note_cycle(record, telegram, body);
     telegram->record = record;
     find_timing(&t);
     if ((body->tree != NULL || is_anything_judged(&t)) && is_anything_known(&t))

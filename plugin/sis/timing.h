@@ -6,11 +6,8 @@
 
 #include "sis/body.h"
 
-/* First pass: the limits valid for a telegram that has just come. */
-void sis_timing_note(sis_record_t *record, const sis_telegram_t *telegram, packet_info *pinfo);
-
 /* Adds the timing of a telegram to its tree, and notes; fills in telegram->timing. `body` is decoded
  * already. */
-void sis_timing_dissect(sis_telegram_t *telegram, sis_record_t *record, const sis_body_t *body);
+void sis_timing_dissect(sis_telegram_t *telegram, const sis_record_t *record, const sis_body_t *body);
 
 #endif

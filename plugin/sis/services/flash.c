@@ -56,7 +56,7 @@ take_flash_length(sis_body_t *body, unsigned size)
 static void
 take_data(sis_body_t *body, unsigned size _U_)
 {
-    const sis_request_t *request = body->is_reaction ? body->asked : body->request;
+    const sis_request_t *request = sis_request_of(body);
     unsigned offset = body->offset, length = sis_left(body);
 
     if (!sis_needs(body, hf_sis_data, 1))

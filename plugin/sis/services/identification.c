@@ -4,31 +4,44 @@
 
 #include "protocol/limits.h"
 #include "protocol/services.h"
-#include "sis/learned.h"
+#include "sis/station.h"
 
 #define VERSION_LENGTH 5 /* "nnVmm" */
 
 static void
-take_identity(sis_body_t *body, int hf, sis_identity_t what)
+take_identity(sis_body_t *body, int hf)
 {
     bool is_too_long = sis_left(body) > SIS_MOST_CHARACTERS;
 
-    sis_station_identify(body, what, tvb_new_subset_length(body->tvb, body->offset, sis_left(body)));
     sis_take_text(body, hf);
     if (is_too_long)
         sis_mark(body, &ei_sis_body_note, "more than %u characters", SIS_MOST_CHARACTERS);
 }
 
 static void
+learn_firmware(sis_body_t *body)
+{
+    sis_station_identify(body, SIS_FIRMWARE);
+}
+
+static void
 take_firmware(sis_body_t *body, unsigned size _U_)
 {
-    take_identity(body, hf_sis_firmware, SIS_FIRMWARE);
+    take_identity(body, hf_sis_firmware);
+    body->learn = learn_firmware;
+}
+
+static void
+learn_type_key(sis_body_t *body)
+{
+    sis_station_identify(body, SIS_TYPE_KEY);
 }
 
 static void
 take_type_key(sis_body_t *body, unsigned size _U_)
 {
-    take_identity(body, hf_sis_type_key, SIS_TYPE_KEY);
+    take_identity(body, hf_sis_type_key);
+    body->learn = learn_type_key;
 }
 
 /* Two digits, V, two digits. */

@@ -129,16 +129,12 @@ is_layout(const sis_body_t *body, uint8_t device, bool has_device)
 static sis_request_t *
 add_request(sis_body_t *body, uint8_t device, uint8_t subservice)
 {
-    sis_request_t **end = &body->request->list;
+    sis_request_t *request = sis_request_add(body, body->service);
 
-    while (*end != NULL)
-        end = &(*end)->next;
-    *end = wmem_new0(body->pinfo->pool, sis_request_t);
-    (*end)->service = body->service;
-    (*end)->has_device = true;
-    (*end)->device = device;
-    (*end)->subservice = subservice;
-    return *end;
+    request->has_device = true;
+    request->device = device;
+    request->subservice = subservice;
+    return request;
 }
 
 static void
@@ -192,5 +188,5 @@ sis_dissect_initialization(sis_body_t *body)
     } else if (!sis_take_channel_error(body)) {
         sis_take_error_byte(body, (uint8_t)subservice, sis_errors_initialization);
     }
-    sis_bus_learn(body);
+    body->learn = sis_bus_learn;
 }

@@ -8,7 +8,7 @@
 #include "protocol/limits.h"
 #include "sis/access.h"
 #include "sis/export.h"
-#include "sis/learned.h"
+#include "sis/station.h"
 #include "sis/names.h"
 #include "sis/sequence.h"
 
@@ -28,7 +28,6 @@ typedef struct {
     const char *ident_text;
     sis_known_t known;
     uint32_t segment; /* of a list, as asked for */
-    tvbuff_t *data;   /* of the element, complete; NULL: missing or incomplete */
 } access_t;
 
 static bool
@@ -319,7 +318,8 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
         sis_say_bytes(body, length);
         say_few_bytes(body, tvb);
     }
-    access->data = data.is_whole ? tvb : NULL;
+    body->data = data.is_whole ? tvb : NULL;
+    body->text = text;
     misfit = body->is_cut ? NULL : sis_element_misfit(&data, access->element, &access->known);
     if (misfit != NULL) {
         body->item = body->root;
@@ -327,7 +327,7 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
     }
     check_segment(access, length);
     if (access->has_ident && data.is_whole && body->is_reaction)
-        sis_station_learn(body, access->ident, (uint8_t)access->device, access->element, tvb, text);
+        body->learn = sis_station_learn;
 }
 
 static void
@@ -359,17 +359,10 @@ static void
 take_data(access_t *access)
 {
     sis_body_t *body = access->body;
-    sis_subject_t subject = {access->ident, (uint8_t)access->element, (uint8_t)access->device,
-                             access->segment};
     tvbuff_t *data;
 
     if (body->is_short)
         return;
-    if (sis_left(body) == 0 && !sis_is_sequence_open(body, &subject)) {
-        check_segment(access, 0);
-        check_missing(access);
-        return;
-    }
     if (!is_write(access) || !is_segment(access)) {
         body->item = body->root;
         check_most(access, sis_left(body));
@@ -377,9 +370,14 @@ take_data(access_t *access)
     if (is_single(access) || (!access->has_ident && access->is_last))
         data = tvb_new_subset_length(body->tvb, body->offset, sis_left(body));
     else if (access->has_ident)
-        data = sis_sequence_data(body, &subject, access->is_last);
+        data = sis_sequence_data(body, access->is_last);
     else
         data = NULL;
+    if (sis_left(body) == 0 && !sis_is_piece(body)) {
+        check_segment(access, 0);
+        check_missing(access);
+        return;
+    }
     if (!is_single(access) && (data == NULL || sis_is_piece(body)))
         show_piece(access, data);
     else
@@ -439,8 +437,8 @@ dissect_parameter_command(access_t *access)
         if (sis_left(body) == 0 && access->element != SIS_ELEMENT_IDENT)
             sis_needs(body, hf_sis_data, 1);
         take_data(access);
-        if (access->data != NULL && access->element == SIS_ELEMENT_DATA)
-            sis_keep_written(body, access->data);
+        if (body->data != NULL && access->element == SIS_ELEMENT_DATA)
+            body->learn = sis_keep_written;
     }
 }
 
@@ -476,5 +474,5 @@ sis_dissect_parameter(sis_body_t *body)
     if (is_write(&access) || body->status != 0)
         sis_note_answer(body, is_write(&access));
     else if (access.is_last || is_single(&access))
-        sis_note_read(body, access.data);
+        sis_note_read(body);
 }

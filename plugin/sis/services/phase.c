@@ -26,40 +26,41 @@ take_phase(sis_body_t *body, uint32_t *phase)
     return true;
 }
 
-/* First pass: a switch begins when its command is acknowledged, and ends with the poll that returns its
- * phase or an error. */
+/* A switch ends with the poll that returns its phase or an error. */
 static void
-follow_switch(const sis_body_t *body, uint32_t phase)
+learn_poll(sis_body_t *body)
 {
-    const sis_exchange_t *exchange = body->record->exchange;
-    sis_stream_t *stream = exchange->stream;
-    bool is_switch = sis_general_service(body->service) == 0x1D;
+    sis_switch_t *begun = &sis_exchange_direction(body->record->exchange)->phase_switch;
+    sis_rare_t *rare;
 
-    if (is_switch && body->status == 0 && body->asked != NULL) {
-        sis_switch_t *begun = &stream->from[exchange->direction].phase_switch;
-
-        *begun = (sis_switch_t){exchange->command_in, exchange->command_end, body->asked->phase};
-        if (begun->to < OPERATING_PHASE)
-            stream->idle_in = body->pinfo->num;
-    } else if (!is_switch) {
-        sis_switch_t *begun = &stream->from[exchange->direction].phase_switch;
-        sis_step_t *step;
-
-        if (begun->command_in == 0)
-            return;
-        step = sis_make_step(body->record, body->element);
-        step->phase_switch = wmem_memdup(wmem_file_scope(), begun, sizeof *begun);
-        step->is_switch_end = body->status != 0 || phase == begun->to;
-        if (step->is_switch_end)
-            begun->command_in = 0;
-    }
+    if (begun->command_in == 0)
+        return;
+    rare = sis_make_rare(body->record, body->element);
+    rare->phase_switch = wmem_memdup(wmem_file_scope(), begun, sizeof *begun);
+    rare->is_switch_end = body->status != 0 || body->phase == begun->to;
+    if (rare->is_switch_end)
+        begun->command_in = 0;
 }
 
+/* It begins when its command is acknowledged. */
 static void
-show_switch(sis_body_t *body)
+learn_switch(sis_body_t *body)
 {
-    const sis_step_t *step = sis_step(body->record, body->element);
-    const sis_switch_t *begun = step->phase_switch;
+    const sis_exchange_t *exchange = body->record->exchange;
+
+    if (body->status != 0 || body->asked == NULL)
+        return;
+    sis_exchange_direction(exchange)->phase_switch =
+        (sis_switch_t){exchange->command_in, exchange->command_end, body->asked->phase};
+    if (body->asked->phase < OPERATING_PHASE)
+        exchange->stream->idle_in = body->pinfo->num;
+}
+
+void
+sis_show_switch(sis_body_t *body)
+{
+    const sis_rare_t *rare = sis_rare(body->record, body->element);
+    const sis_switch_t *begun = rare->phase_switch;
     int64_t elapsed;
     nstime_t taken;
     const char *words, *text;
@@ -69,7 +70,7 @@ show_switch(sis_body_t *body)
         return;
     item = add_generated(body->tree, hf_sis_phase_switch_in, body->tvb, begun->command_in);
     proto_item_append_text(item, " (to phase %u)", begun->to);
-    if (!step->is_switch_end) {
+    if (!rare->is_switch_end) {
         sis_say(body, ", switching to phase %u", begun->to);
         return;
     }
@@ -91,7 +92,6 @@ static void
 dissect_phase_reaction(sis_body_t *body)
 {
     bool is_switch = sis_general_service(body->service) == 0x1D;
-    uint32_t phase = 0;
 
     if (body->status == 0x01 || (body->status > 0x02 && sis_take_channel_error(body))) {
         if (body->status == 0x01)
@@ -102,15 +102,11 @@ dissect_phase_reaction(sis_body_t *body)
         sis_say_words(body, ", accepted", NULL); /* the documents differ whether the phase of now follows */
     if (is_switch && body->status == 0 && body->asked != NULL && body->asked->phase > HIGHEST_PHASE)
         sis_mark(body, &ei_sis_body_note, "a phase above 4 is refused with 0x8004, not accepted");
-    if (!(is_switch && body->status == 0 && sis_left(body) == 0) && !take_phase(body, &phase))
+    if (!(is_switch && body->status == 0 && sis_left(body) == 0) && !take_phase(body, &body->phase))
         return;
     if (body->status == 0x02)
         sis_take_error(body, sis_errors_phase, NULL);
-    if (!sis_has_exchange(body))
-        return;
-    if (!body->pinfo->fd->visited)
-        follow_switch(body, phase);
-    show_switch(body);
+    body->learn = is_switch ? learn_switch : learn_poll;
 }
 
 void
