@@ -26,7 +26,6 @@ may use, never a room of a storey above; tests/test_rooms.py watches:
     dissected/explain     files, wireshark            what tshark says of records, also while they come
     commands/recorder     capture, episodes, explain  `sistap record`: what matters, in files of its own
     commands/serve        capture, wire               `sistap serve`: a line of this computer, heard at others
-    commands/bus          captures, wire              `sistap bus` and `replay`: a bus in software
     commands/beside       captures, wireshark, draw   two captures of the same traffic compared
     commands/selftest     analyser, beside            `sistap selftest`
     commands/doctor       analyser, capture, explain  `sistap doctor`

@@ -50,8 +50,8 @@ from sistap.tap.sis.rates import RATES
 from sistap.tap.terminal.exits import Error, UsageError
 
 if TYPE_CHECKING:
+    from sisbus.scenarios.scenario import Scenario
     from sistap.commands.annotate.sources import SourceError
-    from sistap.commands.bus.scenarios.scenario import Scenario
     from sistap.dissected.packets.dissection import Packet
     from sistap.dissected.wireshark.tshark import TsharkError
 
@@ -420,7 +420,7 @@ def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator
 @_naming
 def play(name: str, *, duration_s: float, seed: int = 1) -> Iterator[Record]:
     """Yield what a tap records of a scenario (`sistap bus --list`, or FILE.toml). ValueError for an unknown one."""
-    from sistap.commands.bus.scenarios import scenario
+    from sisbus.scenarios import scenario
 
     _check("duration_s", duration_s, int | float, "a number of seconds")
     _check("seed", seed, int, "a whole number")
@@ -429,8 +429,8 @@ def play(name: str, *, duration_s: float, seed: int = 1) -> Iterator[Record]:
 
 
 def _played(played: Scenario, name: str, duration_s: float, seed: int) -> Iterator[Record]:
-    from sistap.commands.bus.scenarios.scenario import Playing
-    from sistap.commands.bus.wires.recording import Recording
+    from sisbus.scenarios.scenario import Playing
+    from sisbus.wires.recording import Recording
 
     records: deque[BareRecord] = deque()
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 import os
 import sys
 
-from sistap.commands.bus.stations.making import make
-from sistap.commands.bus.wires.answering import BusTime, serve
-from sistap.commands.bus.wires.pseudo_terminal import PseudoTerminalPort
+from sisbus.stations.making import make
+from sisbus.wires.answering import BusTime, serve
+from sisbus.wires.pseudo_terminal import PseudoTerminalPort
 from sistap.tap.line.settings import LineSettings
 
 STATIONS: list[dict[str, object]] = [

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.commands.bus.stations.making import make
-from sistap.commands.bus.wires.answering import Answering, BusTime, serve
-from sistap.commands.bus.wires.receiver import Receiver
+from sisbus.stations.making import make
+from sisbus.wires.answering import Answering, BusTime, serve
+from sisbus.wires.receiver import Receiver
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.sis.telegram import build, checksum_good
 

@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.commands.bus import service
-from sistap.commands.bus.devices.parameter_sets import built_in
-from sistap.commands.bus.devices.parameters import (
+from sisbus import service
+from sisbus.devices.parameter_sets import built_in
+from sisbus.devices.parameters import (
     PARAMETER_MODE_ONLY,
     READ_ONLY,
     AccessError,
@@ -28,11 +28,11 @@ from sistap.commands.bus.devices.parameters import (
     ident,
     text,
 )
-from sistap.commands.bus.stations import making
-from sistap.commands.bus.stations.flash import module
-from sistap.commands.bus.stations.initialization import Initialization
-from sistap.commands.bus.stations.making import make
-from sistap.commands.bus.stations.slave import Router, Slave, Station
+from sisbus.stations import making
+from sisbus.stations.flash import module
+from sisbus.stations.initialization import Initialization
+from sisbus.stations.making import make
+from sisbus.stations.slave import Router, Slave, Station
 from sistap.tap.sis.codes import LAYOUTS, Item, Layout
 from sistap.tap.sis.telegram import build, parse
 
@@ -883,7 +883,7 @@ def test_what_is_wrong_with_a_table_is_said_with_the_cure(table: Mapping[str, An
 
 
 def test_the_example_of_the_readme() -> None:
-    page = resources.files("sistap.commands.bus.devices").joinpath("sets/README.md").read_text("utf-8")
+    page = resources.files("sisbus.devices").joinpath("sets/README.md").read_text("utf-8")
     example = page.split("```toml\n")[1].split("```")[0]
     first, ppc, third = make(tomllib.loads(example)["station"], 1)
     assert ask(first, 0x12) == "00 02"
@@ -895,7 +895,7 @@ def test_the_example_of_the_readme() -> None:
 
 @pytest.mark.parametrize("name", ["drive", "indradrive", "control", "axis"])
 def test_the_keys_of_the_sets_are_in_the_readme(name: str) -> None:
-    page = resources.files("sistap.commands.bus.devices").joinpath("sets/README.md").read_text("utf-8")
+    page = resources.files("sisbus.devices").joinpath("sets/README.md").read_text("utf-8")
     known = set(re.findall(r"`(\w[\w ]*)`", page))
     for row in built_in(name).values():
         assert set(row) <= known

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import threading
 
-from sistap.commands.bus.playing.characters import NO_FAULTS, Faults
-from sistap.commands.bus.scenarios.scenario import DEFAULT, Playing, load
-from sistap.commands.bus.wires.place import serve
-from sistap.commands.bus.wires.taps import Taps
-from sistap.commands.bus.wires.wire import Pace
+from sisbus.playing.characters import NO_FAULTS, Faults
+from sisbus.scenarios.scenario import DEFAULT, Playing, load
+from sisbus.wires.place import serve
+from sisbus.wires.taps import Taps
+from sisbus.wires.wire import Pace
 from sistap.tap.records.cut import Cut
 
 FAULTS = "checksum=0.04,parity=0.003,pause=0.001"  # of the default scenario: some in each second

@@ -72,7 +72,7 @@ def _uncertainties(_: str) -> Sequence[Choice]:
 
 
 def _scenarios(_: str) -> Sequence[Choice]:
-    from sistap.commands.bus.scenarios import scenario  # imported only when the dialog is shown
+    from sisbus.scenarios import scenario  # imported only when the dialog is shown
 
     titles = {name: played.title for name in scenario.names() if (played := scenario.load(name)).is_complete}
     names = sorted(titles, key=lambda name: name != scenario.DEFAULT)

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from sistap.commands.bus import scenarios
+from sisbus import scenarios
 
 _FILES = {"FILE", "CAPTURE", "LOG", "OUT", "PIPE"}  # metavars
 _HELP = ("-h", "--help")

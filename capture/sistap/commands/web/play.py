@@ -7,12 +7,12 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
-from sistap.commands.bus.playing.characters import Played
-from sistap.commands.bus.scenarios import scenario
-from sistap.commands.bus.scenarios.faults import Fault
-from sistap.commands.bus.scenarios.scenario import Playing, Scenario
-from sistap.commands.bus.table import Table
-from sistap.commands.bus.wires.recording import START_NS, Recording
+from sisbus.playing.characters import Played
+from sisbus.scenarios import scenario
+from sisbus.scenarios.faults import Fault
+from sisbus.scenarios.scenario import Playing, Scenario
+from sisbus.table import Table
+from sisbus.wires.recording import START_NS, Recording
 from sistap.commands.web.window import Window
 from sistap.dissected.captures.stream import Stream
 from sistap.tap.line.settings import LineSettings
