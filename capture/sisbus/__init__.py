@@ -11,6 +11,7 @@ Each room says in its own first lines what is in it. A room knows only those abo
     scenarios/         TOML: who is there, what the masters say, what goes wrong
     wires/             where it is heard: pseudo terminal, socket, port, capture file; one half of the bus real
     replay, command    `sistap replay` and `sistap bus`, which put them together
+    library            the door for other programs
 
 A telegram flows forward: a step of a scenario makes a command, conducting brings it onto a line, the stations there
 react, each character gets its time, and a wire brings it to whoever listens.

@@ -16,7 +16,7 @@ from sisbus.scenarios.scenario import DEFAULT, Playing, Scenario, character_form
 from sisbus.table import RATE
 from sisbus.wires import place
 from sisbus.wires.place import play
-from sisbus.wires.recording import START_NS, Recording
+from sisbus.wires.recording import Recording
 from sisbus.wires.wire import Log, Pace, Refusal
 from sistap.tap.common.writing import NotOpened, growing
 from sistap.tap.files.output import Output, OutputError, OutputRefused
@@ -254,11 +254,9 @@ def _meet(args: argparse.Namespace, settings: LineSettings, played: Scenario, ho
 
 def _recording(args: argparse.Namespace, settings: LineSettings, played: Scenario, stop: Stop) -> Recording:
     try:
-        text = f"scenario {args.scenario}, seed {args.seed}"
         output = Output(args.file, stopped=lambda: stop.asked, force=args.force)
         stop.at_once = False
-        start_ns = START_NS if played.begin_ns is None else played.begin_ns
-        return Recording(output, settings, text, args.seed, args.reads, played.cut, played.lines, start_ns)
+        return Recording(output, played, args.scenario, args.seed, settings, args.reads)
     except OutputRefused as error:
         raise Refusal(USAGE, str(error)) from error
     except OutputError as error:

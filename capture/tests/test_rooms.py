@@ -123,6 +123,13 @@ def test_a_room_of_the_bus_uses_only_those_above_it() -> None:
         assert rooms_used(file, "sisbus") <= set(above), file
 
 
+def test_the_bus_has_one_door() -> None:
+    for file in PACKAGE.rglob("*.py"):
+        names = {name for name in imported(ast.parse(file.read_text("utf-8"))) if name.startswith("sisbus")}
+        assert all(f"{name}.".startswith("sisbus.library.") for name in names), file
+        assert not names or room_of(file, PACKAGE) in ("library", "extcap", "install", "web"), file
+
+
 def test_the_bus_uses_the_tap_and_replay_captures() -> None:
     for file in BUS.rglob("*.py"):
         storeys = {name.split(".")[1] for name in imported(ast.parse(file.read_text("utf-8"))) if "sistap." in name}

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from sisbus.playing.characters import CHECKSUM, Sending, Slot
 from sisbus.table import (
@@ -251,6 +251,17 @@ class Fault:
             return False
         self.count += 1
         return (not self.places or self.count in self.places) and scatter.random() < self.probability
+
+
+@dataclass
+class Switch(Fault):
+    """A fault that acts while it is switched on. Switched off, it changes nothing that is random."""
+
+    switched_on: set[str] = field(default_factory=set)  # kinds
+
+    def meant(self, telegram: bytes, now_ns: int, scatter: random.Random) -> bool:
+        """Tell whether it affects this telegram."""
+        return self.kind in self.switched_on and super().meant(telegram, now_ns, scatter)
 
 
 class Disturbances:

@@ -4,21 +4,21 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Callable
 
 import sistap
 from sisbus.playing.characters import TIMING, Played, reads, received, uncertainty
+from sisbus.scenarios.scenario import Scenario
 from sistap.tap.files.output import Output
 from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.assembler import Assembler
 from sistap.tap.records.counters import Counters
-from sistap.tap.records.cut import SIS, Cut
 from sistap.tap.records.record import Event, Framing, Record, event
 from sistap.tap.sis.initialization import Change, Follow
 
-START_NS = 946_684_800_000_000_000  # 2000-01-01: obviously not today, and the same seed makes the same file
+_START_NS = 946_684_800_000_000_000  # 2000-01-01: obviously not today, and the same seed makes the same file
 _LINE = 0  # of SIS: one shared bus
 
 
@@ -31,16 +31,19 @@ class Recording:
     def __init__(  # noqa: PLR0913 - what is recorded, how, and where to
         self,
         output: Output,
-        settings: LineSettings,
-        text: str,
+        scenario: Scenario,
+        name: str,
         seed: int,
-        most: int,
-        cut: Cut = SIS,
-        lines: Sequence[int] = (_LINE,),
-        start_ns: int = START_NS,
+        settings: LineSettings | None = None,
+        most: int = 1,
+        heard: Callable[[Record], object] = lambda record: None,
     ) -> None:
-        """Begin the file; `text` describes what is played, reads have `most` characters. May raise OutputError."""
+        """Begin the file; reads have `most` characters, `heard` gets each record, too. May raise OutputError."""
+        settings, lines, cut = settings or scenario.settings, scenario.lines, scenario.cut
+        start_ns = _START_NS if scenario.begin_ns is None else scenario.begin_ns
+        text = f"scenario {name}, seed {seed}"
         self.counters = Counters()
+        self._heard = heard
         self._start_ns = start_ns
         self._output = output
         self._most = most
@@ -106,3 +109,4 @@ class Recording:
 
     def _write(self, record: Record) -> None:
         self.counters.add_record(record, written=self._writer.write(record))
+        self._heard(record)
