@@ -15,24 +15,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sisbus import service
-from sisbus.devices.parameter_sets import built_in
-from sisbus.devices.parameters import (
-    PARAMETER_MODE_ONLY,
-    READ_ONLY,
-    AccessError,
-    Element,
-    Format,
-    Length,
-    Parameter,
-    attribute,
-    ident,
-    text,
-)
+from sisbus.devices.parameter_sets import PARAMETER_MODE_ONLY, built_in
+from sisbus.devices.parameters import AccessError, Element, Parameter, ident, text
 from sisbus.stations import making
 from sisbus.stations.flash import module
 from sisbus.stations.initialization import Initialization
 from sisbus.stations.making import make
 from sisbus.stations.slave import Router, Slave, Station
+from sistap.tap.sis.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
 from sistap.tap.sis.codes import LAYOUTS, Item, Layout
 from sistap.tap.sis.telegram import build, parse
 
@@ -364,9 +354,9 @@ def test_parameters_are_named_as_in_the_documents() -> None:
 
 def test_attribute_bits() -> None:
     # factor 1; four bytes: 2 << 16; signed: 2 << 20; four decimals: 4 << 24; protected in phases 2 to 4: bits 28 to 30
-    assert attribute(Length.FOUR_BYTES, Format.SIGNED, 4, READ_ONLY) == (0x74220001).to_bytes(4, "little")
-    assert attribute(Length.LIST_OF_BYTES, Format.TEXT) == (0x00440001).to_bytes(4, "little")
-    assert attribute(Length.TWO_BYTES, Format.BINARY, command=True) == (0x00090001).to_bytes(4, "little")
+    assert Attribute.of(4, Format.SIGNED, more=4 << 24 | READ_ONLY).bits == 0x74220001
+    assert Attribute.of(1, Format.TEXT, is_list=True).bits == 0x00440001
+    assert Attribute.of(2, Format.BINARY, more=PROCEDURE_COMMAND).bits == 0x00090001
     assert text("rpm") == octets("03 00 03 00 72 70 6D")
 
 
@@ -421,8 +411,8 @@ def test_wrong_writes_get_the_codes_of_fig_8_48(header: str, data: str, code: st
 
 def test_write_protection() -> None:
     def write(protection: int, phase: int) -> None:
-        bits = attribute(Length.TWO_BYTES, Format.UNSIGNED, 0, protection)
-        Parameter("S-0-0001", "", bits, b"\0\0").write(Element.DATA, b"\1\0", phase)
+        attribute = Attribute.of(2, Format.UNSIGNED, more=protection)
+        Parameter("S-0-0001", "", attribute, b"\0\0").write(Element.DATA, b"\1\0", phase)
 
     with pytest.raises(AccessError) as never:
         write(READ_ONLY, 2)

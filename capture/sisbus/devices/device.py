@@ -148,7 +148,7 @@ class Device:
     def _check_modulo(self, parameter: Parameter, data: bytes) -> None:
         """Check that a position of a modulo axis is from zero to the modulo value (fig. 8-48)."""
         limit = self.named(self._modulo.get(parameter.ident, parameter.ident))
-        if limit is None or limit is parameter or len(data) != parameter.element_size:
+        if limit is None or limit is parameter or len(data) != parameter.attribute.size:
             return
         if not 0 <= parameter.value(data) <= limit.value(limit.data):
             raise AccessError(_OUTSIDE_MODULO)

@@ -24,8 +24,8 @@ _RESET = "S-0-0099"
 # Lists of ident numbers that a drive makes itself, and their contents.
 _IDENT_LISTS: dict[str, Callable[[Parameter], bool]] = {
     "S-0-0017": lambda parameter: True,
-    "S-0-0025": lambda parameter: parameter.is_command,
-    "S-0-0192": lambda parameter: not parameter.is_command and not parameter.read_only,
+    "S-0-0025": lambda parameter: parameter.attribute.is_command,
+    "S-0-0192": lambda parameter: not parameter.attribute.is_command and not parameter.attribute.is_read_only,
 }
 
 # Diagnostic number and message: for each phase, and for the error that this drive can have.

@@ -10,47 +10,33 @@ from functools import cache, partial
 from importlib import resources
 from typing import NamedTuple
 
-from sisbus.devices.parameters import (
-    PARAMETER_MODE_ONLY,
-    READ_ONLY,
-    SIZES,
-    Format,
-    Length,
-    Parameter,
-    Procedure,
-    as_list,
-    attribute,
-    ident,
-)
+from sisbus.devices.parameters import Parameter, Procedure, as_list, ident
 from sisbus.table import WORD, Reading, Table, ascii_text, choice, flag, whole
+from sistap.tap.sis.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
 from sistap.tap.sis.names import S_NAMES
 
 Rows = Mapping[str, Mapping[str, object]]
 
 
-class _Type(NamedTuple):
-    length: Length
-    format: Format
-    command: bool = False
-
+PARAMETER_MODE_ONLY = 0x6000_0000  # of READ_ONLY
 
 _TYPES = {
-    "binary 2": _Type(Length.TWO_BYTES, Format.BINARY),
-    "hex 2": _Type(Length.TWO_BYTES, Format.HEXADECIMAL),
-    "hex 4": _Type(Length.FOUR_BYTES, Format.HEXADECIMAL),
-    "unsigned 2": _Type(Length.TWO_BYTES, Format.UNSIGNED),
-    "unsigned 4": _Type(Length.FOUR_BYTES, Format.UNSIGNED),
-    "signed 2": _Type(Length.TWO_BYTES, Format.SIGNED),
-    "signed 4": _Type(Length.FOUR_BYTES, Format.SIGNED),
-    "float": _Type(Length.FOUR_BYTES, Format.FLOAT),
-    "ident": _Type(Length.TWO_BYTES, Format.IDENT_NUMBER),
-    "text": _Type(Length.LIST_OF_BYTES, Format.TEXT),
-    "list of idents": _Type(Length.LIST_OF_TWO_BYTES, Format.IDENT_NUMBER),
-    "list of unsigned 2": _Type(Length.LIST_OF_TWO_BYTES, Format.UNSIGNED),
-    "list of unsigned 4": _Type(Length.LIST_OF_FOUR_BYTES, Format.UNSIGNED),
-    "list of signed 4": _Type(Length.LIST_OF_FOUR_BYTES, Format.SIGNED),
-    "list of hex 4": _Type(Length.LIST_OF_FOUR_BYTES, Format.HEXADECIMAL),
-    "command": _Type(Length.TWO_BYTES, Format.BINARY, command=True),
+    "binary 2": Attribute.of(2, Format.BINARY),
+    "hex 2": Attribute.of(2, Format.HEXADECIMAL),
+    "hex 4": Attribute.of(4, Format.HEXADECIMAL),
+    "unsigned 2": Attribute.of(2, Format.UNSIGNED),
+    "unsigned 4": Attribute.of(4, Format.UNSIGNED),
+    "signed 2": Attribute.of(2, Format.SIGNED),
+    "signed 4": Attribute.of(4, Format.SIGNED),
+    "float": Attribute.of(4, Format.FLOAT),
+    "ident": Attribute.of(2, Format.IDENT_NUMBER),
+    "text": Attribute.of(1, Format.TEXT, is_list=True),
+    "list of idents": Attribute.of(2, Format.IDENT_NUMBER, is_list=True),
+    "list of unsigned 2": Attribute.of(2, Format.UNSIGNED, is_list=True),
+    "list of unsigned 4": Attribute.of(4, Format.UNSIGNED, is_list=True),
+    "list of signed 4": Attribute.of(4, Format.SIGNED, is_list=True),
+    "list of hex 4": Attribute.of(4, Format.HEXADECIMAL, is_list=True),
+    "command": Attribute.of(2, Format.BINARY, more=PROCEDURE_COMMAND),
 }
 _WRITABLE = {"always": 0, "phase 2": PARAMETER_MODE_ONLY, "never": READ_ONLY}
 
@@ -97,21 +83,20 @@ def make(rows: Rows, where: str) -> Made:
 
 
 def _parameter(name: str, table: Table) -> Parameter:
-    kind = table.need("type", choice(_TYPES))
-    decimals = table.take("decimals", whole(0, 15), 0)
-    value = partial(_value, kind, decimals)
-    protection = table.take("writable", choice(_WRITABLE), 0)
+    bits = table.need("type", choice(_TYPES)).bits | table.take("decimals", whole(0, 15), 0) << 24
+    attribute = Attribute(bits | table.take("writable", choice(_WRITABLE), 0))
+    value = partial(_value, attribute)
     return Parameter(
         name,
         table.take("name", ascii_text(), _standard_name(name)),
-        attribute(kind.length, kind.format, decimals, protection, command=kind.command),
-        _data(table, kind, value),
+        attribute,
+        _data(table, attribute, value),
         table.take("unit", ascii_text(), None),
         table.take("minimum", value, None),
         table.take("maximum", value, None),
         valid=table.take("valid", flag, True),
         fixed_length=table.take("fixed", flag, False),
-        procedure=_procedure(table) if kind.command else None,
+        procedure=_procedure(table) if attribute.is_command else None,
         refuse=table.take("refuse", WORD, None),
     )
 
@@ -125,12 +110,12 @@ def _procedure(table: Table) -> Procedure:
     return Procedure(table.take("takes", whole(0, 3_600_000), 0), table.take("fails", flag, False))
 
 
-def _data(table: Table, kind: _Type, value: Reading[bytes]) -> bytes:
-    if kind.length in (Length.TWO_BYTES, Length.FOUR_BYTES):
-        return table.take("value", value, bytes(SIZES[kind.length]))
-    size = SIZES[kind.length]
+def _data(table: Table, attribute: Attribute, value: Reading[bytes]) -> bytes:
+    size = attribute.size
+    if not attribute.is_list:
+        return table.take("value", value, bytes(size))
     room = table.take("room", whole(0, 0xFFFF // size), 0) * size
-    if kind.format == Format.TEXT:
+    if attribute.format == Format.TEXT:
         return as_list(table.take("value", ascii_text(), "").encode("ascii"), room)
     return as_list(table.take("value", partial(_list, value), b""), room)
 
@@ -141,18 +126,18 @@ def _list(value: Reading[bytes], elements: object) -> bytes:
     return b"".join(map(value, elements))
 
 
-def _value(kind: _Type, decimals: int, value: object) -> bytes:
+def _value(attribute: Attribute, value: object) -> bytes:
     """Parse a value as a person writes it, in the unit of the parameter."""
-    if kind.format == Format.IDENT_NUMBER and isinstance(value, str):
+    if attribute.format == Format.IDENT_NUMBER and isinstance(value, str):
         return ident(value)[1:]
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError("use a number")
-    if kind.format == Format.FLOAT:
+    if attribute.format == Format.FLOAT:
         return struct.pack("<f", value)
-    size = SIZES[kind.length]
+    size, decimals = attribute.size, attribute.decimals
     try:
         scaled = round(value * 10.0**decimals)
-        return scaled.to_bytes(size, "little", signed=kind.format == Format.SIGNED)
+        return scaled.to_bytes(size, "little", signed=attribute.format == Format.SIGNED)
     except OverflowError:
         raise ValueError(f"use a number that fits into {size} bytes, with {decimals} decimals") from None
 

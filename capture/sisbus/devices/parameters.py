@@ -11,6 +11,8 @@ import re
 import struct
 from dataclasses import dataclass
 
+from sistap.tap.sis.attribute import LENGTH_WORDS, READ_ONLY, Attribute, Format
+
 SET, ENABLED = 0x1, 0x2  # bits of the written value, and of the data status
 _NOT_YET_EXECUTED, _NOT_POSSIBLE = 0x4, 0x8
 _MS = 1_000_000
@@ -72,43 +74,7 @@ class Element(enum.IntEnum):
     DATA = 7
 
 
-class Format(enum.IntEnum):
-    """How operating data are shown, bits 20 to 22 of the attribute."""
-
-    BINARY = 0
-    UNSIGNED = 1
-    SIGNED = 2
-    HEXADECIMAL = 3
-    TEXT = 4
-    IDENT_NUMBER = 5
-    FLOAT = 6
-
-
-class Length(enum.IntEnum):
-    """The length of operating data, bits 16 to 18 of the attribute."""
-
-    TWO_BYTES = 1
-    FOUR_BYTES = 2
-    LIST_OF_BYTES = 4
-    LIST_OF_TWO_BYTES = 5
-    LIST_OF_FOUR_BYTES = 6
-
-
-# Bytes of a value, or of an element of a list.
-SIZES = {
-    Length.TWO_BYTES: 2,
-    Length.FOUR_BYTES: 4,
-    Length.LIST_OF_BYTES: 1,
-    Length.LIST_OF_TWO_BYTES: 2,
-    Length.LIST_OF_FOUR_BYTES: 4,
-}
 LAST = 0x04  # bit 2 of the control byte: no more follows (fig. 8-1)
-LENGTH_WORDS = 4  # bytes before the elements of a list
-
-# Write protection by phase, bits 28 to 30 of the attribute.
-READ_ONLY = 0x70000000
-PARAMETER_MODE_ONLY = 0x60000000
-_PROCEDURE_COMMAND = 0x00080000
 
 PARAMETER_MODE = 2  # the phase
 _INVALID = 0x0100  # of the data status: operating data invalid
@@ -153,14 +119,6 @@ def control(element: Element) -> int:
     return element << 3 | LAST
 
 
-def attribute(
-    length: Length, format: Format, decimals: int = 0, protection: int = 0, *, command: bool = False
-) -> bytes:
-    """Return an attribute with a conversion factor of 1."""
-    bits = 1 | length << 16 | format << 20 | decimals << 24 | protection
-    return (bits | (_PROCEDURE_COMMAND if command else 0)).to_bytes(4, "little")
-
-
 def text(characters: str) -> bytes:
     """Return a list of characters."""
     return as_list(characters.encode("ascii"))
@@ -182,7 +140,7 @@ class Parameter:
 
     ident: str
     name: str | None
-    attribute: bytes
+    attribute: Attribute
     data: bytes
     unit: str | None = None
     minimum: bytes | None = None
@@ -194,35 +152,15 @@ class Parameter:
 
     def __post_init__(self) -> None:
         """Make a plain command a procedure that is done at once."""
-        if self.is_command and self.procedure is None:
+        if self.attribute.is_command and self.procedure is None:
             self.procedure = Procedure()
-
-    @property
-    def is_command(self) -> bool:
-        """Tell whether it is a procedure command."""
-        return bool(self._attribute & _PROCEDURE_COMMAND)
-
-    @property
-    def read_only(self) -> bool:
-        """Tell whether it can never be written."""
-        return self._attribute & READ_ONLY == READ_ONLY
-
-    @property
-    def is_list(self) -> bool:
-        """Tell whether its data begin with actual and maximum length."""
-        return self._length >= Length.LIST_OF_BYTES
-
-    @property
-    def element_size(self) -> int:
-        """Return the bytes of the value, or of an element of the list."""
-        return SIZES[self._length]
 
     def read(self, element: Element) -> bytes:
         """Return an element. May raise AccessError."""
         elements = {
             Element.IDENT_NUMBER: ident(self.ident)[1:],
             Element.NAME: None if self.name is None else text(self.name),
-            Element.ATTRIBUTE: self.attribute,
+            Element.ATTRIBUTE: self.attribute.bits.to_bytes(4, "little"),
             Element.UNIT: None if self.unit is None else text(self.unit),
             Element.MINIMUM: self.minimum,
             Element.MAXIMUM: self.maximum,
@@ -270,7 +208,7 @@ class Parameter:
         self.check_list()
         self.check_writable(Element.DATA, phase)
         self._check_offset(offset, len(elements))
-        if len(data) % self.element_size:
+        if len(data) % self.attribute.size:
             raise AccessError.of(Element.DATA, TOO_SHORT)
         if offset + len(data) > len(elements):
             raise AccessError.of(Element.DATA, TOO_LONG)
@@ -289,7 +227,7 @@ class Parameter:
         actual, room = int.from_bytes(lengths[:2], "little"), int.from_bytes(self.data[2:LENGTH_WORDS], "little")
         if actual > room:
             raise AccessError.of(Element.DATA, TOO_LONG)
-        if actual % self.element_size:
+        if actual % self.attribute.size:
             raise AccessError.of(Element.DATA, NOT_CORRECT)
         if self.fixed_length and actual != int.from_bytes(self.data[:2], "little"):
             raise AccessError.of(Element.DATA, LENGTH_FIXED)
@@ -298,35 +236,23 @@ class Parameter:
     def check_list(self) -> None:
         """Raise AccessError if it has no parts, or refuses access to them."""
         self._check_refused(Element.DATA)
-        if not self.is_list:
+        if not self.attribute.is_list:
             raise AccessError.of(Element.DATA, NO_SUCH_ELEMENT)
 
     def check_writable(self, element: Element, phase: int) -> None:
         """Raise AccessError if it cannot be written in this phase."""
         if element != Element.DATA:
             raise AccessError.of(element, UNCHANGEABLE if element else WRONG_ACCESS)
-        if self.read_only:
+        if self.attribute.is_read_only:
             raise AccessError.of(element, UNCHANGEABLE)
-        if self._attribute & READ_ONLY & 1 << (26 + phase):  # bits 28, 29, 30: phases 2, 3, 4
+        if self.attribute.bits & READ_ONLY & 1 << (26 + phase):  # bits 28, 29, 30: phases 2, 3, 4
             raise AccessError.of(element, PROTECTED)
 
     def value(self, data: bytes) -> float:
         """Return the number of a value in its format, ignoring decimals."""
-        if self._format == Format.FLOAT:
+        if self.attribute.format == Format.FLOAT:
             return float(struct.unpack("<f", data)[0])
-        return int.from_bytes(data, "little", signed=self._format == Format.SIGNED)
-
-    @property
-    def _attribute(self) -> int:
-        return int.from_bytes(self.attribute, "little")
-
-    @property
-    def _length(self) -> Length:
-        return Length(self._attribute >> 16 & 7)
-
-    @property
-    def _format(self) -> Format:
-        return Format(self._attribute >> 20 & 7)
+        return int.from_bytes(data, "little", signed=self.attribute.format == Format.SIGNED)
 
     def _check_refused(self, element: Element, *only: int) -> None:
         """Raise the configured code if it is for this element or the channel, or is one of `only`."""
@@ -337,10 +263,10 @@ class Parameter:
             raise AccessError(self.refuse)
 
     def _check_length(self, data: bytes, phase: int) -> None:
-        if self.is_list:
+        if self.attribute.is_list:
             self._check_list(data, phase)
-        elif len(data) != self.element_size:
-            raise AccessError.of(Element.DATA, TOO_SHORT if len(data) < self.element_size else TOO_LONG)
+        elif len(data) != self.attribute.size:
+            raise AccessError.of(Element.DATA, TOO_SHORT if len(data) < self.attribute.size else TOO_LONG)
 
     def _check_list(self, data: bytes, phase: int) -> None:
         """Check the two lengths before the elements; the station alone defines the maximum."""
@@ -349,7 +275,7 @@ class Parameter:
             raise AccessError.of(Element.DATA, TOO_SHORT)
         if actual > room or len(data) > LENGTH_WORDS + actual:
             raise AccessError.of(Element.DATA, TOO_LONG)
-        if actual % self.element_size:
+        if actual % self.attribute.size:
             raise AccessError.of(Element.DATA, NOT_CORRECT)
         if actual != int.from_bytes(self.data[:2], "little"):
             if self.fixed_length:
@@ -358,15 +284,15 @@ class Parameter:
                 raise AccessError.of(Element.DATA, LENGTH_PROTECTED)
 
     def _check_value(self, data: bytes) -> None:
-        if self.is_list:
+        if self.attribute.is_list:
             return
         if self.minimum is not None and self.value(data) < self.value(self.minimum):
             raise AccessError.of(Element.DATA, BELOW_MINIMUM)
         if self.maximum is not None and self.value(data) > self.value(self.maximum):
             raise AccessError.of(Element.DATA, ABOVE_MAXIMUM)
-        if self.is_command and int.from_bytes(data, "little") & ~(SET | ENABLED):
+        if self.attribute.is_command and int.from_bytes(data, "little") & ~(SET | ENABLED):
             raise AccessError.of(Element.DATA, NOT_CORRECT)
 
     def _check_offset(self, offset: int, length: int) -> None:
-        if not 0 <= offset < length or offset % self.element_size:
+        if not 0 <= offset < length or offset % self.attribute.size:
             raise AccessError.of(Element.DATA, NO_SUCH_ELEMENT)

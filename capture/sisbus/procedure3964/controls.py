@@ -8,12 +8,12 @@ from collections.abc import Callable, Generator, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from sisbus.devices.parameters import LENGTH_WORDS
 from sisbus.procedure3964 import rk512
 from sisbus.procedure3964.partner import MS, Partner
 from sisbus.procedure3964.rk512 import HEAD_SIZE, Command, Error, Head, Reaction
 
 REACTION_NS = 5000 * MS  # longest wait for a reaction at 1200 to 19200 Bd
+from sistap.tap.sis.attribute import LENGTH_WORDS
 
 
 class Wait(NamedTuple):

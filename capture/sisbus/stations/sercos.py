@@ -10,7 +10,6 @@ from sisbus.devices.device import HEADER, SEGMENT, Device, Transfer
 from sisbus.devices.equipment import Gate
 from sisbus.devices.parameters import (
     LAST,
-    LENGTH_WORDS,
     TOO_LONG,
     WRONG_ACCESS,
     AccessError,
@@ -19,6 +18,7 @@ from sisbus.devices.parameters import (
 )
 from sisbus.service import Request, Service, ServiceFailed, ServiceRefused, Status
 from sisbus.stations.slave import Edition
+from sistap.tap.sis.attribute import LENGTH_WORDS
 
 
 def _read_elements(parameter: Parameter, offset: int, length: int) -> bytes:

@@ -12,7 +12,8 @@ import struct
 from decimal import Decimal, InvalidOperation
 
 from sisbus.devices.device import Device
-from sisbus.devices.parameters import LENGTH_WORDS, AccessError, Element, Format, Parameter, as_list, ident
+from sisbus.devices.parameters import AccessError, Element, Parameter, as_list, ident
+from sistap.tap.sis.attribute import LENGTH_WORDS, Format
 
 _CR, _LF = 0x0D, 0x0A
 _LONGEST = 255  # characters of a line
@@ -103,12 +104,12 @@ class Terminal:
             return [data[LENGTH_WORDS:].decode("latin-1")]
         if element == Element.ATTRIBUTE:
             return [f"{int.from_bytes(data, 'little'):08X}"]
-        if not parameter.is_list or element != Element.DATA:
+        if not parameter.attribute.is_list or element != Element.DATA:
             return [_shown(parameter, data)]
         elements = data[LENGTH_WORDS:]
-        if _format(parameter) == Format.TEXT:
+        if parameter.attribute.format == Format.TEXT:
             return [elements.decode("latin-1")]
-        size = parameter.element_size
+        size = parameter.attribute.size
         return [_shown(parameter, elements[start : start + size]) for start in range(0, len(elements), size)]
 
     def _write(self, key: bytes, element: Element, value: str, now_ns: int) -> list[str]:
@@ -116,7 +117,7 @@ class Terminal:
         if element == Element.IDENT_NUMBER:
             status = self._device.write(key, element, b"", now_ns)
             return [f"{int.from_bytes(status, 'little'):04X}"]
-        if element == Element.DATA and parameter.is_list and value == ">":
+        if element == Element.DATA and parameter.attribute.is_list and value == ">":
             parameter.check_writable(element, self._device.phases.at(now_ns))
             self._list = parameter, []
             return []
@@ -139,17 +140,9 @@ class Terminal:
         return []
 
 
-def _format(parameter: Parameter) -> Format:
-    return Format(int.from_bytes(parameter.attribute, "little") >> 20 & 7)
-
-
-def _decimals(parameter: Parameter) -> int:
-    return int.from_bytes(parameter.attribute, "little") >> 24 & 0xF
-
-
 def _shown(parameter: Parameter, data: bytes) -> str:
     """Write a value as people read it."""
-    format = _format(parameter)
+    format = parameter.attribute.format
     number = int.from_bytes(data, "little", signed=format == Format.SIGNED)
     if format == Format.FLOAT:
         return f"{struct.unpack('<f', data)[0]:.4f}"
@@ -159,12 +152,12 @@ def _shown(parameter: Parameter, data: bytes) -> str:
         return f"{number:X}"
     if format == Format.IDENT_NUMBER:
         return f"{'P' if number & 0x8000 else 'S'}-{number >> 12 & 7}-{number & 0xFFF:04}"
-    return f"{Decimal(number).scaleb(-_decimals(parameter)):f}"
+    return f"{Decimal(number).scaleb(-parameter.attribute.decimals):f}"
 
 
 def _read_value(parameter: Parameter, value: str) -> bytes:
     """Read a value, also with the ends b and h of binary and hexadecimal ones. May raise AccessError."""
-    format = _format(parameter)
+    format = parameter.attribute.format
     try:
         if format == Format.FLOAT:
             return struct.pack("<f", float(value))
@@ -173,7 +166,7 @@ def _read_value(parameter: Parameter, value: str) -> bytes:
         elif format == Format.HEXADECIMAL or value[-1:] == "h":
             number = int(value.removesuffix("h"), 16)
         else:
-            number = int(Decimal(value).scaleb(_decimals(parameter)))
-        return number.to_bytes(parameter.element_size, "little", signed=format == Format.SIGNED)
+            number = int(Decimal(value).scaleb(parameter.attribute.decimals))
+        return number.to_bytes(parameter.attribute.size, "little", signed=format == Format.SIGNED)
     except (ValueError, InvalidOperation, OverflowError):
         raise AccessError(WRONG_DATA) from None
