@@ -93,6 +93,11 @@ class Sending:
         self.sent = self.sent[:CHECKSUM] + bytes([value]) + self.sent[CHECKSUM + 1 :]
         self.slots[CHECKSUM].value = value
 
+    def damage(self, mark: str) -> None:
+        """Note a fault that no station understands."""
+        self.marks.append(mark)
+        self.damaged = True
+
 
 # -- Faults on the tap's branch of the wire: the stations still understand each other --------------------------------
 

@@ -47,8 +47,7 @@ def collide(sending: Sending, other: bytes, scatter: random.Random) -> None:
             mixed.flags = 0 if sending.settings.parity == "N" else mixed.flags
         else:
             sending.slots.append(Slot(value))
-    sending.marks.append(f"collision@{start}={other.hex().upper()}")
-    sending.damaged = True
+    sending.damage(f"collision@{start}={other.hex().upper()}")
 
 
 def _mixed(one: int, other: int, scatter: random.Random) -> Slot:

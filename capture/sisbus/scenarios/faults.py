@@ -6,12 +6,14 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 from sisbus.playing.characters import CHECKSUM, Sending, Slot
 from sisbus.table import (
     BYTE,
     RATE,
     STATION,
+    Reading,
     Table,
     characters,
     choice,
@@ -27,172 +29,103 @@ from sistap.tap.sis.telegram import is_whole, parse
 
 _EVER_NS = 1 << 62
 
-Effect = Callable[[Sending, random.Random], None]
-Place = Callable[[Sending, random.Random], int]
-
-
-# -- How ------------------------------------------------------------------------------------------------------------
-
-
-def _place(table: Table) -> Place:
-    """Read which character to disturb; without the key any."""
-    fixed = table.take("character", whole(0, 262), -1)
-
-    def place(sending: Sending, scatter: random.Random) -> int:
-        last = len(sending.slots) - 1
-        return min(fixed, last) if fixed >= 0 else scatter.randint(0, last)
-
-    return place
-
-
-def _checksum(table: Table) -> Effect:
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        sending.set_checksum(sending.sent[CHECKSUM] ^ scatter.randrange(1, 256))
-        sending.marks.append(f"checksum@{CHECKSUM}")
-        sending.damaged = True
-
-    return effect
-
-
-def _lost(table: Table) -> Effect:
-    place = _place(table)
-
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        at = place(sending, scatter)
-        if len(sending.slots) <= 2:  # something must remain to be sent
-            return
-        del sending.slots[at]
-        if at < len(sending.slots):  # the line is idle where the character would have been
-            sending.slots[at].pause_ns += sending.settings.character_ns
-        sending.marks.append(f"lost@{at}")
-        sending.damaged = True
-
-    return effect
-
-
-def _extra(table: Table) -> Effect:
-    place, added = _place(table), table.take("characters", octets, b"")
-
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        at, values = place(sending, scatter), added or scatter.randbytes(1)
-        sending.slots[at:at] = [Slot(value) for value in values]
-        sending.marks.append(f"extra@{at}={values.hex().upper()}")
-        sending.damaged = True
-
-    return effect
-
-
-def _pause(table: Table) -> Effect:
-    """Read a pause. The receiver reads on (chapter 2.4), so it still understands."""
-    place, ns = _place(table), table.need("ms", milliseconds)
-
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        at = max(1, place(sending, scatter))
-        sending.slots[at].pause_ns += ns
-        sending.marks.append(f"pause@{at}")
-
-    return effect
-
-
-def _late(table: Table) -> Effect:
-    ns = table.need("ms", milliseconds)
-
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        sending.delay_ns += ns
-        sending.marks.append("late")
-
-    return effect
-
-
-def _silent(table: Table) -> Effect:
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        sending.silent = True
-
-    return effect
-
-
-def _parity(table: Table) -> Effect:
-    place = _place(table)
-
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        at = place(sending, scatter)
-        slot = sending.slots[at]
-        slot.value ^= 1 << scatter.randrange(8)
-        if sending.settings.parity != "N":
-            slot.flags |= Flag.CHARACTER_ERROR
-        sending.marks.append(f"parity@{at}={slot.value:02X}")
-        sending.damaged = True
-
-    return effect
-
-
-def _break(table: Table) -> Effect:
-    place = _place(table)
-
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        at = place(sending, scatter)
-        sending.slots[at].value, sending.slots[at].flags = 0x00, int(Flag.BREAK)
-        sending.marks.append(f"break@{at}")
-        sending.damaged = True
-
-    return effect
-
-
-def _noise(table: Table) -> Effect:
-    """Read noise on an idle line: any values, half of them with a wrong stop bit or parity."""
-    count = table.take("count", whole(1, 4096), 4)
-
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        errors = (0, int(Flag.CHARACTER_ERROR))
-        sending.before += [Slot(scatter.randrange(256), scatter.choice(errors)) for _ in range(count)]
-
-    return effect
-
-
-def _ascii(table: Table) -> Effect:
-    said = table.need("text", characters)
-
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        sending.before += [Slot(value) for value in said]
-
-    return effect
-
-
-def _baud(table: Table) -> Effect:
-    """Read a rate that no other station uses."""
-    baud = table.need("baud", RATE)
-
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        sending.settings = sending.settings._replace(baud=baud)
-        sending.marks.append(f"baud={baud}")
-        sending.damaged = True
-
-    return effect
-
-
-def _collision(table: Table) -> Effect:
-    def effect(sending: Sending, scatter: random.Random) -> None:
-        sending.colliding = True
-
-    return effect
-
-
 COMMAND, REACTION, TELEGRAM = "command", "reaction", "telegram"
 
-# Maps a kind to its reader and to the telegrams it can affect, most usual first.
-_KINDS: dict[str, tuple[Callable[[Table], Effect], Sequence[str]]] = {
-    "checksum": (_checksum, (TELEGRAM, COMMAND, REACTION)),
-    "lost": (_lost, (TELEGRAM, COMMAND, REACTION)),
-    "extra": (_extra, (TELEGRAM, COMMAND, REACTION)),
-    "pause": (_pause, (TELEGRAM, COMMAND, REACTION)),
-    "late": (_late, (REACTION,)),
-    "silent": (_silent, (REACTION,)),
-    "parity": (_parity, (TELEGRAM, COMMAND, REACTION)),
-    "break": (_break, (TELEGRAM, COMMAND, REACTION)),
-    "noise": (_noise, (TELEGRAM, COMMAND, REACTION)),
-    "ascii": (_ascii, (TELEGRAM, COMMAND, REACTION)),
-    "baud": (_baud, (TELEGRAM, COMMAND, REACTION)),
-    "collision": (_collision, (COMMAND,)),
+
+# -- How: each changes what is sent, by random numbers, at a character and by an amount, where a kind has them ---------
+
+
+def _checksum(sending: Sending, scatter: random.Random) -> None:
+    sending.set_checksum(sending.sent[CHECKSUM] ^ scatter.randrange(1, 256))
+    sending.damage(f"checksum@{CHECKSUM}")
+
+
+def _lost(sending: Sending, scatter: random.Random, at: int) -> None:
+    if len(sending.slots) <= 2:  # something must remain to be sent
+        return
+    del sending.slots[at]
+    if at < len(sending.slots):  # the line is idle where the character would have been
+        sending.slots[at].pause_ns += sending.settings.character_ns
+    sending.damage(f"lost@{at}")
+
+
+def _extra(sending: Sending, scatter: random.Random, at: int, added: bytes) -> None:
+    values = added or scatter.randbytes(1)
+    sending.slots[at:at] = [Slot(value) for value in values]
+    sending.damage(f"extra@{at}={values.hex().upper()}")
+
+
+def _pause(sending: Sending, scatter: random.Random, at: int, ns: int) -> None:
+    at = max(1, at)  # a receiver reads on (chapter 2.4): it still understands
+    sending.slots[at].pause_ns += ns
+    sending.marks.append(f"pause@{at}")
+
+
+def _late(sending: Sending, scatter: random.Random, ns: int) -> None:
+    sending.delay_ns += ns
+    sending.marks.append("late")
+
+
+def _silent(sending: Sending, scatter: random.Random) -> None:
+    sending.silent = True
+
+
+def _parity(sending: Sending, scatter: random.Random, at: int) -> None:
+    slot = sending.slots[at]
+    slot.value ^= 1 << scatter.randrange(8)
+    if sending.settings.parity != "N":
+        slot.flags |= Flag.CHARACTER_ERROR
+    sending.damage(f"parity@{at}={slot.value:02X}")
+
+
+def _break(sending: Sending, scatter: random.Random, at: int) -> None:
+    sending.slots[at].value, sending.slots[at].flags = 0x00, int(Flag.BREAK)
+    sending.damage(f"break@{at}")
+
+
+def _noise(sending: Sending, scatter: random.Random, count: int) -> None:
+    """Add any values on an idle line, half of them with a wrong stop bit or parity."""
+    errors = (0, int(Flag.CHARACTER_ERROR))
+    sending.before += [Slot(scatter.randrange(256), scatter.choice(errors)) for _ in range(count)]
+
+
+def _ascii(sending: Sending, scatter: random.Random, said: bytes) -> None:
+    sending.before += [Slot(value) for value in said]
+
+
+def _baud(sending: Sending, scatter: random.Random, baud: int) -> None:
+    """Send at a rate that no other station uses."""
+    sending.settings = sending.settings._replace(baud=baud)
+    sending.damage(f"baud={baud}")
+
+
+def _collision(sending: Sending, scatter: random.Random) -> None:
+    sending.colliding = True
+
+
+class _Kind(NamedTuple):
+    """A kind of fault."""
+
+    effect: Callable[..., None]
+    of: Sequence[str] = (TELEGRAM, COMMAND, REACTION)  # what it can affect, most usual first
+    at_character: bool = False  # any, without the key `character`
+    amount: tuple[str, Reading[Any]] | None = None  # its key, and how to read that
+    usual: Any = None  # the amount without the key; None: the key is needed
+
+
+_KINDS = {
+    "checksum": _Kind(_checksum),
+    "lost": _Kind(_lost, at_character=True),
+    "extra": _Kind(_extra, at_character=True, amount=("characters", octets), usual=b""),
+    "pause": _Kind(_pause, at_character=True, amount=("ms", milliseconds)),
+    "late": _Kind(_late, (REACTION,), amount=("ms", milliseconds)),
+    "silent": _Kind(_silent, (REACTION,)),
+    "parity": _Kind(_parity, at_character=True),
+    "break": _Kind(_break, at_character=True),
+    "noise": _Kind(_noise, amount=("count", whole(1, 4096)), usual=4),
+    "ascii": _Kind(_ascii, amount=("text", characters)),
+    "baud": _Kind(_baud, amount=("baud", RATE)),
+    "collision": _Kind(_collision, (COMMAND,)),
 }
 
 
@@ -204,7 +137,8 @@ class Fault:
     """One [[fault]] table."""
 
     kind: str
-    effect: Effect
+    character: int  # -1: any
+    amount: Any
     of: str
     station: int | None  # the receiver of the command, which sends the reaction
     master: int | None
@@ -218,12 +152,13 @@ class Fault:
     @classmethod
     def of_table(cls, table: Table) -> Fault:
         """Parse a table. ValueError names key and cure."""
-        kind = table.need("kind", choice({name: name for name in _KINDS}))
-        reading, telegrams = _KINDS[kind]
+        name = table.need("kind", choice({name: name for name in _KINDS}))
+        kind = _KINDS[name]
         fault = cls(
-            kind,
-            reading(table),
-            table.take("of", choice({name: name for name in telegrams}), telegrams[0]),
+            name,
+            table.take("character", whole(0, 262), -1) if kind.at_character else -1,
+            _amount(table, kind),
+            table.take("of", choice({name: name for name in kind.of}), kind.of[0]),
             table.take("station", STATION, None),
             table.take("master", STATION, None),
             table.take("service", BYTE, None),
@@ -252,6 +187,22 @@ class Fault:
         self.count += 1
         return (not self.places or self.count in self.places) and scatter.random() < self.probability
 
+    def disturb(self, sending: Sending, scatter: random.Random) -> None:
+        """Change what is sent."""
+        kind, last = _KINDS[self.kind], len(sending.slots) - 1
+        given: list[Any] = []
+        if kind.at_character:
+            given.append(min(self.character, last) if self.character >= 0 else scatter.randint(0, last))
+        if kind.amount:
+            given.append(self.amount)
+        kind.effect(sending, scatter, *given)
+
+
+def _amount(table: Table, kind: _Kind) -> Any:  # noqa: ANN401
+    if kind.amount is None:
+        return None
+    return table.need(*kind.amount) if kind.usual is None else table.take(*kind.amount, kind.usual)
+
 
 @dataclass
 class Switch(Fault):
@@ -277,5 +228,5 @@ class Disturbances:
         telegram = sending.sent
         for fault in self._faults:
             if fault.meant(telegram, now_ns, self._scatter):
-                fault.effect(sending, self._scatter)
+                fault.disturb(sending, self._scatter)
         return sending
