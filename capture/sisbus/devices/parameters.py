@@ -225,12 +225,7 @@ class Parameter:
         if len(lengths) != LENGTH_WORDS:
             raise AccessError.of(Element.DATA, TOO_SHORT if len(lengths) < LENGTH_WORDS else TOO_LONG)
         actual, room = int.from_bytes(lengths[:2], "little"), int.from_bytes(self.data[2:LENGTH_WORDS], "little")
-        if actual > room:
-            raise AccessError.of(Element.DATA, TOO_LONG)
-        if actual % self.attribute.size:
-            raise AccessError.of(Element.DATA, NOT_CORRECT)
-        if self.fixed_length and actual != int.from_bytes(self.data[:2], "little"):
-            raise AccessError.of(Element.DATA, LENGTH_FIXED)
+        self._check_actual(actual, room)
         self.data = as_list(self.data[LENGTH_WORDS:][:actual].ljust(actual, b"\0"), room)
 
     def check_list(self) -> None:
@@ -273,15 +268,20 @@ class Parameter:
         actual, room = int.from_bytes(data[:2], "little"), int.from_bytes(self.data[2:4], "little")
         if len(data) < LENGTH_WORDS + actual:
             raise AccessError.of(Element.DATA, TOO_SHORT)
-        if actual > room or len(data) > LENGTH_WORDS + actual:
+        if len(data) > LENGTH_WORDS + actual:
+            raise AccessError.of(Element.DATA, TOO_LONG)
+        self._check_actual(actual, room)
+        if phase != PARAMETER_MODE and actual != int.from_bytes(self.data[:2], "little"):
+            raise AccessError.of(Element.DATA, LENGTH_PROTECTED)
+
+    def _check_actual(self, actual: int, room: int) -> None:
+        """Check a new length of the list, in bytes."""
+        if actual > room:
             raise AccessError.of(Element.DATA, TOO_LONG)
         if actual % self.attribute.size:
             raise AccessError.of(Element.DATA, NOT_CORRECT)
-        if actual != int.from_bytes(self.data[:2], "little"):
-            if self.fixed_length:
-                raise AccessError.of(Element.DATA, LENGTH_FIXED)
-            if phase != PARAMETER_MODE:
-                raise AccessError.of(Element.DATA, LENGTH_PROTECTED)
+        if self.fixed_length and actual != int.from_bytes(self.data[:2], "little"):
+            raise AccessError.of(Element.DATA, LENGTH_FIXED)
 
     def _check_value(self, data: bytes) -> None:
         if self.attribute.is_list:

@@ -6,20 +6,14 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Generator, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
+from sisbus.playing.conducting import Wait
 from sisbus.procedure3964 import rk512
 from sisbus.procedure3964.partner import MS, Partner
 from sisbus.procedure3964.rk512 import HEAD_SIZE, Command, Error, Head, Reaction
 from sistap.tap.sis.attribute import LENGTH_WORDS
 
 REACTION_NS = 5000 * MS  # longest wait for a reaction at 1200 to 19200 Bd
-
-
-class Wait(NamedTuple):
-    """A silence of that length."""
-
-    ns: int
 
 
 # Bytes are a telegram. The script receives its reaction, None if none came.

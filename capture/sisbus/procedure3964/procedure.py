@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 from sisbus.devices.parameters import ident
 from sisbus.playing.characters import Faults, Played
+from sisbus.playing.conducting import Wait
 from sisbus.procedure3964 import controls, rk512
-from sisbus.procedure3964.controls import S5, Memory, Ppc, Script, Step, Wait
+from sisbus.procedure3964.controls import S5, Memory, Ppc, Script, Step
 from sisbus.procedure3964.link import BOTH, Link
 from sisbus.procedure3964.partner import Disturb, Occasion, Partner, Trouble
 from sisbus.procedure3964.rk512 import Head
@@ -222,10 +223,10 @@ def _write_block(table: Table) -> Step:
 
 
 def _wait(table: Table) -> Step:
-    ns = table.need("wait_ms", milliseconds)
+    wait = Wait(table.need("wait_ms", milliseconds))
 
     def step() -> Script:
-        yield Wait(ns)
+        yield wait
 
     return step
 

@@ -71,20 +71,14 @@ def access(table: Table, key: str, device: int) -> bytes:
     return bytes([control(element), table.take("device", BYTE, device)]) + which
 
 
-def _identify(table: Table, device: int) -> Body:
-    item = table.need("identify", choice(_IDENTIFICATIONS))
-    return Body(0x00, bytes([table.take("device", BYTE, device), item]))
-
-
-def _cancel(table: Table, device: int) -> Body:
-    service = table.need("cancel", BYTE)
-    return Body(0x01, bytes([table.take("device", BYTE, device), service]))
+def _addressed(table: Table, device: int, service: int, subservice: int, data: bytes = b"") -> Body:
+    return Body(service, bytes([table.take("device", BYTE, device), subservice]) + data)
 
 
 def _flash(table: Table, device: int) -> Body:
     subservice = table.need("flash", choice(_FLASH))
     data = b"".join(_flash_item(table, item) for item in LAYOUTS[0x02][subservice].command)
-    return Body(0x02, bytes([table.take("device", BYTE, device), subservice]) + data)
+    return _addressed(table, device, 0x02, subservice, data)
 
 
 def _flash_item(table: Table, item: Item) -> bytes:
@@ -102,15 +96,7 @@ def _set(table: Table, device: int) -> Body:
         data = table.need("ms", WORD).to_bytes(2, "little")
     elif subservice == _SETTINGS["rate"]:
         data = table.need("rate", rate_mask)
-    return Body(0x03, bytes([table.take("device", BYTE, device), subservice]) + data)
-
-
-def _read(table: Table, device: int) -> Body:
-    return Body(0x10, access(table, "read", device))
-
-
-def _write(table: Table, device: int) -> Body:
-    return Body(0x1F, access(table, "write", device) + operating_data(table))
+    return _addressed(table, device, 0x03, subservice, data)
 
 
 def _segment(table: Table, key: str, device: int) -> bytes:
@@ -119,25 +105,9 @@ def _segment(table: Table, key: str, device: int) -> bytes:
     return where + b"".join(table.need(name, WORD).to_bytes(2, "little") for name in ("offset", "length"))
 
 
-def _read_list(table: Table, device: int) -> Body:
-    return Body(0x11, _segment(table, "read_list", device))
-
-
-def _write_list(table: Table, device: int) -> Body:
-    return Body(0x1E, _segment(table, "write_list", device) + operating_data(table))
-
-
 def _phase(table: Table, device: int) -> Body:
     table.need("phase", choice({"read": 0}))
     return Body(0x12, b"")
-
-
-def _switch(table: Table, device: int) -> Body:
-    return Body(0x1D, bytes([table.need("switch", BYTE)]))
-
-
-def _service(table: Table, device: int) -> Body:
-    return Body(table.need("service", BYTE), table.take("data", octets, b""))
 
 
 def rate_mask(value: object) -> bytes:
@@ -147,15 +117,15 @@ def rate_mask(value: object) -> bytes:
 
 # Maps the key of a command to its reader. The second argument is the device, unless a key names one.
 BODIES: Mapping[str, Callable[[Table, int], Body]] = {
-    "identify": _identify,
-    "cancel": _cancel,
+    "identify": lambda table, device: _addressed(table, device, 0x00, table.need("identify", choice(_IDENTIFICATIONS))),
+    "cancel": lambda table, device: _addressed(table, device, 0x01, table.need("cancel", BYTE)),
     "flash": _flash,
     "set": _set,
-    "read": _read,
-    "write": _write,
-    "read_list": _read_list,
-    "write_list": _write_list,
+    "read": lambda table, device: Body(0x10, access(table, "read", device)),
+    "write": lambda table, device: Body(0x1F, access(table, "write", device) + operating_data(table)),
+    "read_list": lambda table, device: Body(0x11, _segment(table, "read_list", device)),
+    "write_list": lambda table, device: Body(0x1E, _segment(table, "write_list", device) + operating_data(table)),
     "phase": _phase,
-    "switch": _switch,
-    "service": _service,
+    "switch": lambda table, _: Body(0x1D, bytes([table.need("switch", BYTE)])),
+    "service": lambda table, _: Body(table.need("service", BYTE), table.take("data", octets, b"")),
 }

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import itertools
 import random
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from sisbus.devices.parameters import LAST
-from sisbus.playing.conducting import Line, Raw, Script, Token, Typed, Wait
+from sisbus.playing.conducting import Action, Line, Raw, Script, Token, Typed, Wait
 from sisbus.scenarios.bodies import BODIES, Body, access, operating_data, rate_mask
 from sisbus.scenarios.demo import commands
 from sisbus.stations.flash import CHECKSUMS, module
@@ -125,30 +125,28 @@ def _list(table: Table) -> Step:
 
 
 def _to(address: Address, body: Body) -> Step:
+    return _each(lambda master: [address.command(master, body)])
+
+
+def _each(actions: Callable[[Master], Iterable[Action]]) -> Step:
+    """Return a step of actions that do not depend on what is answered."""
+
     def step(master: Master) -> Script:
-        yield address.command(master, body)
+        for action in actions(master):  # noqa: UP028 - an answer is sent to it
+            yield action
 
     return step
 
 
 def _raw(table: Table) -> Step:
-    sent = table.need("raw", octets)
-
-    def step(master: Master) -> Script:
-        yield Raw(sent)
-
-    return step
+    sent = Raw(table.need("raw", octets))
+    return _each(lambda _: [sent])
 
 
 def _type(table: Table) -> Step:
     """Type lines of the ASCII protocol, each with CR LF, as known clients do."""
-    lines = table.need("type", several(ascii_text()))
-
-    def step(master: Master) -> Script:  # noqa: ARG001
-        for line in lines:
-            yield Typed(f"{line}\r\n".encode("ascii"))
-
-    return step
+    lines = [Typed(f"{line}\r\n".encode("ascii")) for line in table.need("type", several(ascii_text()))]
+    return _each(lambda _: lines)
 
 
 # -- Steps of several telegrams -------------------------------------------------------------------------------------
@@ -234,21 +232,13 @@ def _body_of(reaction: bytes | None) -> bytes:
 
 
 def _wait(table: Table) -> Step:
-    ns = table.need("wait_ms", milliseconds)
-
-    def step(master: Master) -> Script:
-        yield Wait(ns)
-
-    return step
+    wait = Wait(table.need("wait_ms", milliseconds))
+    return _each(lambda _: [wait])
 
 
 def _until(table: Table) -> Step:
     time_ns = table.need("at_ms", milliseconds)
-
-    def step(master: Master) -> Script:
-        yield Wait(max(0, time_ns - master.line.now_ns))
-
-    return step
+    return _each(lambda master: [Wait(max(0, time_ns - master.line.now_ns))])
 
 
 def _loop(table: Table) -> Step:
@@ -307,22 +297,14 @@ def _test_rate(table: Table) -> Step:
 
 def _token(table: Table) -> Step:
     receiver = table.need("token", STATION)
-
-    def step(master: Master) -> Script:
-        # The specification reserves the service without contents, so it has none.
-        yield Token(receiver, build(0x0F, master.address, receiver))
-
-    return step
+    # The specification reserves the service without contents, so it has none.
+    return _each(lambda master: [Token(receiver, build(0x0F, master.address, receiver))])
 
 
 def _demo(table: Table) -> Step:
     """Play the script of the demo's master, which is Python (demo.py), with varying values."""
     table.need("play", choice({"demo": 0}))
-
-    def step(master: Master) -> Script:
-        yield from commands(master.line.settings, master.seed, master.cycles, master.rates)
-
-    return step
+    return lambda master: commands(master.line.settings, master.seed, master.cycles, master.rates)
 
 
 _STEPS: dict[str, Callable[[Table], Step]] = {

@@ -8,7 +8,7 @@ import zlib
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sisbus.service import ServiceFailed, ServiceRefused, Status, Subservice, by_subservice
+from sisbus.service import Request, ServiceFailed, ServiceRefused, Status, by_subservice
 from sisbus.stations.slave import Edition
 
 
@@ -141,29 +141,27 @@ class Flash:
         self._worn = worn
         self.in_loader = False
         self.error = False
-        self.service = by_subservice(
+        self._plain = by_subservice(
             0x02,
             {
-                0x90: self._noticed(self._shutdown),
-                0x91: self._noticed(self._reboot),
-                0x92: self._noticed(self._read),
+                0x90: self._shutdown,
+                0x91: self._reboot,
+                0x92: self._read,
                 0x93: self._find_header,
-                0x94: self._noticed(self._erase),
-                0x96: self._noticed(self._program),
-                0x97: self._noticed(self._build_checksum),
+                0x94: self._erase,
+                0x96: self._program,
+                0x97: self._build_checksum,
                 0x9F: self._reset,
             },
         )
+        self.service = self._plain._replace(execute=self._noticed)
 
-    def _noticed(self, execute: Subservice) -> Subservice:
-        def noticing(data: bytes, now_ns: int) -> bytes:
-            try:
-                return execute(data, now_ns)
-            except ServiceFailed:
-                self.error = True
-                raise
-
-        return noticing
+    def _noticed(self, request: Request) -> bytes:
+        try:
+            return self._plain.execute(request)
+        except ServiceFailed:
+            self.error = True
+            raise
 
     def _shutdown(self, data: bytes, now_ns: int) -> bytes:
         if data[0] not in (_FIRMWARE_TARGET, _LOADER_TARGET):

@@ -20,25 +20,6 @@ from sisbus.service import Request, Service, ServiceFailed, ServiceRefused, Stat
 from sisbus.stations.slave import Edition
 from sistap.tap.sis.attribute import LENGTH_WORDS
 
-
-def _read_elements(parameter: Parameter, offset: int, length: int) -> bytes:
-    """Return a part, as far as it goes; the lengths are at 0, and elements follow. May raise AccessError."""
-    if offset == 0:
-        parameter.check_list()
-        return parameter.data[:length]
-    return parameter.read_segment(offset - LENGTH_WORDS, length)
-
-
-def _write_elements(parameter: Parameter, offset: int, data: bytes, phase: int) -> None:
-    """Write a part. The lengths are at 0 and are written alone: they change the length of the list. May raise
-    AccessError.
-    """
-    if offset == 0:
-        parameter.resize(data, phase)
-    else:
-        parameter.write_segment(offset - LENGTH_WORDS, data, phase)
-
-
 _LONGEST = 0xFFFF + 4  # bytes that the lengths of a list can describe
 
 
@@ -55,17 +36,21 @@ class Segments(NamedTuple):
         return self.unit * int.from_bytes(offset, "little"), self.unit * int.from_bytes(length, "little")
 
     def read(self, parameter: Parameter, offset: int, length: int) -> bytes:
-        """Return a part. May raise AccessError."""
-        if self.length_words:
-            return _read_elements(parameter, offset, length)
-        return parameter.read_segment(offset, length)
+        """Return a part, as far as it goes. May raise AccessError."""
+        if self.length_words and offset == 0:
+            parameter.check_list()
+            return parameter.data[:length]
+        return parameter.read_segment(self._from_elements(offset), length)
 
     def write(self, parameter: Parameter, offset: int, data: bytes, phase: int) -> None:
-        """Write a part. May raise AccessError."""
-        if self.length_words:
-            _write_elements(parameter, offset, data, phase)
+        """Write a part; the two lengths are written alone, and change that of the list. May raise AccessError."""
+        if self.length_words and offset == 0:
+            parameter.resize(data, phase)
         else:
-            parameter.write_segment(offset, data, phase)
+            parameter.write_segment(self._from_elements(offset), data, phase)
+
+    def _from_elements(self, offset: int) -> int:
+        return offset - LENGTH_WORDS if self.length_words else offset
 
 
 # For drives, 0x81 and 0x8E: words; repeating the same command continues reading (IndraDrive and ECODRIVE Cs).

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from sisbus.service import Request, Service, ServiceFailed, ServiceRefused, Status
 from sisbus.stations.initialization import Initialization
@@ -20,31 +20,6 @@ from sistap.tap.sis.telegram import (
     checksum_good,
     parse,
 )
-
-
-class Station(Protocol):
-    """Anything that hears commands.
-
-    Its time is the bus's, in ns since the bus was started, and never goes back.
-    """
-
-    @property
-    def address(self) -> int:
-        """Return its number on its level."""
-
-    @property
-    def initialization(self) -> Initialization:
-        """Return the settings that service 0x03 has set."""
-
-    @property
-    def terminal(self) -> Terminal | None:
-        """Return its ASCII protocol; None if it has none."""
-
-    def react(self, command: bytes, now_ns: int) -> bytes | None:
-        """Return the reaction to a command whose last character has arrived; None if there is none, e.g. for another
-        station.
-        """
-
 
 # -- The differences between the documents that describe SIS ---------------------------------------------------------
 
@@ -266,3 +241,6 @@ class Router:
         )
         reactions = [station.react(passed_on, now_ns) for station in self._behind]
         return next((reaction for reaction in reactions if reaction), None)
+
+
+Station = Slave | Router  # its time is the bus's, in ns since the bus was started, and never goes back
