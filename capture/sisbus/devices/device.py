@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from sisbus.devices.parameters import LAST, AccessError, Element, Parameter, ident
+from sisbus.devices.parameters import LAST, NOT_AVAILABLE, OUTSIDE_MODULO, AccessError, Element, Parameter, ident
 from sisbus.devices.phases import Phases
 from sisbus.service import ChannelError, Request, ServiceFailed, ServiceRefused, Status
 
@@ -86,9 +86,6 @@ def _header(request: Request) -> bytes:
 
 # -- The device ------------------------------------------------------------------------------------------------------
 
-_IDENT_NUMBER_NOT_AVAILABLE = 0x1001
-_OUTSIDE_MODULO = 0x700C
-
 
 class Device:
     """Parameters, the channel to them, and their phase."""
@@ -116,7 +113,7 @@ class Device:
         """Return a parameter by its type and number. May raise AccessError."""
         parameter = self.parameters.get(number)
         if parameter is None:
-            raise AccessError(_IDENT_NUMBER_NOT_AVAILABLE)
+            raise AccessError.of(Element.IDENT_NUMBER, NOT_AVAILABLE)
         return parameter
 
     def read(self, number: bytes, element: Element, now_ns: int) -> bytes:
@@ -151,4 +148,4 @@ class Device:
         if limit is None or limit is parameter or len(data) != parameter.attribute.size:
             return
         if not 0 <= parameter.value(data) <= limit.value(limit.data):
-            raise AccessError(_OUTSIDE_MODULO)
+            raise AccessError.of(Element.DATA, OUTSIDE_MODULO)

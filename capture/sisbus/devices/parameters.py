@@ -49,10 +49,6 @@ class Procedure:
             return SET | ENABLED | _NOT_YET_EXECUTED | _NOT_POSSIBLE
         return self._written & (SET | ENABLED)
 
-    def done(self, now_ns: int) -> bool:
-        """Tell whether it has been executed."""
-        return self.status(now_ns) == SET | ENABLED
-
     @property
     def _running(self) -> bool:
         return self._written & (SET | ENABLED) == SET | ENABLED

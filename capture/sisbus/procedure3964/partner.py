@@ -24,8 +24,7 @@ ATTEMPTS = 6  # to be granted, and to be acknowledged
 class Saying(NamedTuple):
     """What a partner sends at once."""
 
-    meant: bytes
-    said: bytes  # what of it reaches the line
+    said: bytes  # what reaches the line
     marks: tuple[str, ...] = ()
     delay_ns: int = 0  # extra delay; until it is sent, the partner is not heard
 
@@ -149,7 +148,7 @@ class Partner:
             return self._done(good=False)
         self._state = State.ASKED
         trouble = self._disturb(Occasion.ASK)
-        return Saying(bytes([STX]), bytes([STX]), (trouble.kind,) if trouble else ())
+        return Saying(bytes([STX]), (trouble.kind,) if trouble else ())
 
     def _take_grant(self, value: int) -> Saying | None:
         if value == STX:
@@ -162,11 +161,10 @@ class Partner:
         block = packed(self._to_send)
         trouble = self._disturb(Occasion.BLOCK)
         if trouble and trouble.kind == "broken":
-            return Saying(block, block[: trouble.number], (f"broken@{trouble.number}",))
+            return Saying(block[: trouble.number], (f"broken@{trouble.number}",))
         if trouble:
-            wrong = block[:-1] + bytes([block[-1] ^ 0xFF])
-            return Saying(wrong, wrong, (trouble.kind,))
-        return Saying(block, block)
+            return Saying(block[:-1] + bytes([block[-1] ^ 0xFF]), (trouble.kind,))
+        return Saying(block)
 
     def _again(self) -> Saying | None:
         """Request again, because the block was not acknowledged."""
@@ -195,7 +193,7 @@ class Partner:
         if trouble and trouble.kind == "unheard":
             return None
         if trouble and trouble.kind == "refused":
-            return Saying(bytes([NAK]), bytes([NAK]), (trouble.kind,))
+            return Saying(bytes([NAK]), (trouble.kind,))
         self._state = State.RECEIVING
         self._expect()
         return _answer(DLE, trouble)
@@ -224,11 +222,11 @@ class Partner:
 
     def _refuse(self) -> Saying:
         self._state = State.REFUSED
-        return Saying(bytes([NAK]), bytes([NAK]))
+        return Saying(bytes([NAK]))
 
 
 def _answer(value: int, trouble: Trouble | None) -> Saying:
-    answer = bytes([value])
-    if trouble and trouble.kind == "late":
-        return Saying(answer, answer, (trouble.kind,), trouble.number)
-    return Saying(answer, b"", (trouble.kind,)) if trouble else Saying(answer, answer)
+    if trouble is None:
+        return Saying(bytes([value]))
+    is_late = trouble.kind == "late"  # or lost
+    return Saying(bytes([value]) if is_late else b"", (trouble.kind,), trouble.number)

@@ -28,30 +28,55 @@ LOOK_S = 0.02
 _RATES = {getattr(termios, f"B{baud}"): baud for baud in RATES}
 
 
-class PseudoTerminal:
+class _Terminal:
+    """A pty, raw: nothing is echoed or translated, even before somebody configures it. May raise OSError."""
+
+    def __init__(self, baud: int, noise: str) -> None:
+        self._ours, self._theirs = os.openpty()
+        self.name = os.ttyname(self._theirs)
+        tty.setraw(self._theirs)
+        set_speed(self._theirs, baud)
+        os.set_blocking(self._ours, False)
+        self._poll = select.poll()
+        self._poll.register(self._ours, 0)
+        self._noise = random.Random(noise)
+
+    def _is_open(self) -> bool:
+        """Tell whether somebody has it open, if we do not."""
+        return not any(event & select.POLLHUP for _, event in self._poll.poll(0))
+
+    def _rate(self, usual: int) -> int:
+        """Return the rate that somebody has set."""
+        return speed(self._ours) or usual
+
+    def _heard(self, value: int, line: LineSettings, baud: int) -> int:
+        """Return what is heard of a character at another rate; parity is unknown."""
+        return value if line.baud == baud else hear(value, line, line._replace(baud=baud), self._noise)[0]
+
+    def _try_to_write(self, value: int) -> bool:
+        try:
+            return os.write(self._ours, bytes([value])) == 1
+        except BlockingIOError:
+            return False
+
+
+class PseudoTerminal(_Terminal):
     """A pty whose master side plays the bus."""
 
     deserted = False  # a bus plays with or without listeners
 
     def __init__(self, pace: Pace, baud: int, seed: int = 0) -> None:
-        """Open it raw: nothing is echoed or translated, even before a listener configures it."""
+        """Open it."""
+        super().__init__(baud, f"{seed} tap")
         self._pace = pace
-        self._master, slave = os.openpty()
-        self.name = os.ttyname(slave)
-        tty.setraw(slave)
-        set_speed(slave, baud)
-        os.close(slave)  # from now on POLLHUP means that nobody has it open
-        os.set_blocking(self._master, False)
-        self._poll = select.poll()
-        self._poll.register(self._master, 0)
-        self._heard = False
-        self._noise = random.Random(f"{seed} tap")
+        os.close(self._theirs)
+        self._was_open = False
 
     def wait_for_listener(self) -> None:
         """Wait until somebody has opened it, and a little longer."""
-        while not self._listening():
+        while not self._is_open():
             time.sleep(LOOK_S)
-        self._heard = True
+        self._was_open = True
         self._pace.start(SETTLE_S)
 
     def deliver(self, played: Played) -> list[str]:
@@ -59,37 +84,22 @@ class PseudoTerminal:
         overrun = unheard = 0
         for character in played.characters:
             self._pace.wait_until(character.time_ns)
-            if not self._listening():
+            if not self._is_open():
                 unheard += 1
-                if self._heard:
+                if self._was_open:
                     self._forget_unread()
-                self._heard = False
+                self._was_open = False
                 continue
-            self._heard = True
-            overrun += not self._write(self._hear(character.value, played.settings))
+            self._was_open = True
+            heard = self._heard(character.value, played.settings, self._rate(played.settings.baud))
+            overrun += not self._try_to_write(heard)
         return [f"{name}={count}" for name, count in (("overrun", overrun), ("unheard", unheard)) if count]
 
     def close(self) -> None:
         """Close it after a silence: closing discards what a listener has not read yet."""
-        if self._listening():
+        if self._is_open():
             time.sleep(SETTLE_S)
-        os.close(self._master)
-
-    def _hear(self, value: int, line: LineSettings) -> int:
-        """Return what a listener with another rate hears of a character; its parity setting is unknown."""
-        rate = speed(self._master)
-        if rate is None or rate == line.baud:
-            return value
-        return hear(value, line, line._replace(baud=rate), self._noise)[0]
-
-    def _write(self, value: int) -> bool:
-        try:
-            return os.write(self._master, bytes([value])) == 1
-        except BlockingIOError:
-            return False
-
-    def _listening(self) -> bool:
-        return not any(event & select.POLLHUP for _, event in self._poll.poll(0))
+        os.close(self._ours)
 
     def _forget_unread(self) -> None:
         """Discard what the listener left in the buffer: the next one must hear the bus as it is then."""
@@ -120,27 +130,21 @@ def speed(terminal: int) -> int | None:
 _READ_SIZE = 4096
 
 
-class PseudoTerminalPort:
-    """A pty with stations. As on a wire, master and stations with different rates hear noise."""
+class PseudoTerminalPort(_Terminal):
+    """A pty with stations. As on a wire, master and stations with different rates hear noise.
 
-    name: str
+    Its other side stays open, to keep its settings between two masters.
+    """
 
     def __init__(self, settings: LineSettings, seed: int) -> None:
-        """Open it raw. May raise OSError."""
+        """Open it. May raise OSError."""
+        super().__init__(settings.baud, f"{seed} port")
         self.settings = settings
-        self._noise = random.Random(f"{seed} port")
-        self._ours, self._theirs = os.openpty()  # theirs stays open, to keep its settings between two masters
-        self.name = os.ttyname(self._theirs)
-        tty.setraw(self._theirs)
-        set_speed(self._theirs, settings.baud)
-        os.set_blocking(self._ours, False)
 
     def wait_for_partner(self) -> None:
         """Wait until somebody else has opened it, and a little longer."""
         os.close(self._theirs)
-        poll = select.poll()
-        poll.register(self._ours, 0)
-        while any(event & select.POLLHUP for _, event in poll.poll(0)):
+        while not self._is_open():
             time.sleep(LOOK_S)
         self._theirs = os.open(self.name, os.O_RDWR | os.O_NOCTTY)
         time.sleep(SETTLE_S)
@@ -149,17 +153,15 @@ class PseudoTerminalPort:
         """Return what arrived; empty if nothing did in that time."""
         if not select.select([self._ours], [], [], timeout_s)[0]:
             return b""
-        masters = self._masters
-        return bytes(self._heard(value, masters, self.settings) for value in os.read(self._ours, _READ_SIZE))
+        masters = self.settings._replace(baud=self._rate(self.settings.baud))
+        return bytes(self._heard(value, masters, self.settings.baud) for value in os.read(self._ours, _READ_SIZE))
 
     def write(self, data: bytes) -> None:
         """Send each character at its time; as on a wire, what a master does not read is lost."""
         begun = time.monotonic()
         for place, value in enumerate(data, start=1):
             time.sleep(max(0.0, begun + place * self.settings.character_ns / 1e9 - time.monotonic()))
-            try:
-                os.write(self._ours, bytes([self._heard(value, self.settings, self._masters)]))
-            except BlockingIOError:
+            if not self._try_to_write(self._heard(value, self.settings, self._rate(self.settings.baud))):
                 return
 
     def drain(self) -> None:
@@ -173,11 +175,3 @@ class PseudoTerminalPort:
         """Disconnect the master."""
         os.close(self._theirs)
         os.close(self._ours)
-
-    @property
-    def _masters(self) -> LineSettings:
-        """Return the settings with which the master has it open; its parity is unknown."""
-        return self.settings._replace(baud=speed(self._ours) or self.settings.baud)
-
-    def _heard(self, value: int, line: LineSettings, other: LineSettings) -> int:
-        return value if line.baud == other.baud else hear(value, line, other, self._noise)[0]
