@@ -14,6 +14,10 @@ _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 Reading = Callable[[Any], T]  # converts a TOML value; ValueError says what is expected
 
 
+class Misread(ValueError):
+    """A table cannot be read; the text says which, the key and the cure."""
+
+
 class Table:
     """A table, and the keys that were read."""
 
@@ -37,8 +41,13 @@ class Table:
         """Return the value of a key. ValueError if it is missing or invalid."""
         self._known.append(key)
         if key not in self._values:
-            raise ValueError(f"{self.where}: {key} is missing")
+            raise Misread(f"{self.where}: {key} is missing")
         return self._read(key, reading)
+
+    def each(self, key: str, where: str, reading: Callable[[Table], T]) -> list[T]:
+        """Return what is read of each table in a list, which may be missing."""
+        none: list[T] = []
+        return self.take(key, each(where, reading), none)
 
     def one_of(self, keys: Sequence[str]) -> str:
         """Return the value of the one key that is there. ValueError if none or several are."""
@@ -46,23 +55,23 @@ class Table:
         self._known += found
         if len(found) != 1:
             what = f"{found[0]} and {found[1]} do not go together" if found else "a key is missing"
-            raise ValueError(f"{self.where}: {what}; give one of {', '.join(keys)}")
+            raise Misread(f"{self.where}: {what}; give one of {', '.join(keys)}")
         return found[0]
 
     def end(self) -> None:
         """Refuse keys that were not read."""
         for key in self._values:
             if key not in self._known:
-                raise ValueError(
-                    f"{self.where}: unknown key {key}; the keys are {', '.join(dict.fromkeys(self._known))}"
-                )
+                raise Misread(f"{self.where}: unknown key {key}; the keys are {', '.join(dict.fromkeys(self._known))}")
 
     def _read(self, key: str, reading: Reading[T]) -> T:
         value = self._values[key]
         try:
             return reading(value)
+        except Misread:
+            raise
         except ValueError as error:
-            raise ValueError(f"{self.where}: {key} = {_shown(value)}: {error}") from None
+            raise Misread(f"{self.where}: {key} = {_shown(value)}: {error}") from None
 
 
 def _shown(value: object) -> str:
@@ -189,4 +198,14 @@ def tables(where: str) -> Reading[list[Table]]:
     return read
 
 
-NO_TABLES: list[Table] = []
+def each(where: str, reading: Callable[[Table], T]) -> Reading[list[T]]:
+    """Return a reader of a list of tables whose keys `reading` must read, all of them."""
+
+    def read(value: object) -> list[T]:
+        found = []
+        for table in tables(where)(value):
+            found.append(reading(table))
+            table.end()
+        return found
+
+    return read

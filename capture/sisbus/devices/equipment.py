@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 from sisbus.devices import parameter_sets
@@ -13,7 +14,7 @@ from sisbus.devices.parameter_sets import changed
 from sisbus.devices.parameters import AccessError, Element
 from sisbus.devices.phases import MASTER_AXIS_TURNS, OPERATING_MODE, Phases
 from sisbus.service import ChannelError, Request, ServiceFailed
-from sisbus.table import NO_TABLES, Table, flag, tables, whole
+from sisbus.table import Misread, Table, flag, whole
 
 # Raises ServiceFailed or AccessError while access is not possible.
 Gate = Callable[[Request], None]
@@ -118,8 +119,8 @@ class Equipment:
         own = Device(_made(table, "control").parameters)
         own.join(equipment.phases)
         equipment.by_address[_OWN] = (own, to_control(refuses_elements=synax))
-        for axis in table.take("devices", tables(f"{table.where}, device"), NO_TABLES):
-            equipment._add(axis, f"{seed} drive {address}", synax)
+        add = partial(equipment._add, seed=f"{seed} drive {address}", synax=synax)
+        table.each("devices", f"{table.where}, device", add)
         return equipment
 
     def restart(self) -> None:
@@ -131,11 +132,10 @@ class Equipment:
     def _add(self, table: Table, seed: str, synax: bool) -> None:
         address = table.need("address", _DEVICE)
         if address in self.by_address:
-            raise ValueError(f"{table.where}: address = {address} is taken: use another")
+            raise Misread(f"{table.where}: address = {address} is taken: use another")
         made = _made(table, "drive", "axis")
         drive = Drive(made.parameters, f"{seed}.{address}", made.modulo)
         off = table.take("off", flag, False)
-        table.end()
         self.by_address[address] = (drive, through_control(drive, off, initialization_mode=synax))
         drive.join(self.phases)
         self.drives.append(drive)

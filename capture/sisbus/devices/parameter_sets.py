@@ -11,7 +11,7 @@ from importlib import resources
 from typing import NamedTuple
 
 from sisbus.devices.parameters import Parameter, Procedure, as_list, ident
-from sisbus.table import WORD, Reading, Table, ascii_text, choice, flag, whole
+from sisbus.table import WORD, Misread, Reading, Table, ascii_text, choice, flag, whole
 from sistap.tap.sis.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
 from sistap.tap.sis.names import S_NAMES
 
@@ -72,7 +72,7 @@ def make(rows: Rows, where: str) -> Made:
         try:
             ident(name)
         except ValueError as error:
-            raise ValueError(f"{where}: {error}") from None
+            raise Misread(f"{where}: {error}") from None
         table = Table(row, f"{where}: {name}")
         made.parameters.append(_parameter(name, table))
         modulo = table.take("modulo", _ident_name, "")

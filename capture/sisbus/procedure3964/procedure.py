@@ -18,14 +18,14 @@ from sisbus.procedure3964.partner import Disturb, Occasion, Partner, Trouble
 from sisbus.procedure3964.rk512 import Head
 from sisbus.table import (
     BYTE,
-    NO_TABLES,
     WORD,
+    Misread,
     Table,
     choice,
+    each,
     milliseconds,
     octets,
     several,
-    tables,
     text,
     whole,
 )
@@ -100,29 +100,23 @@ class Procedure:
 # -- Reading --------------------------------------------------------------------------------------------------------
 
 
-def read(table: Table, duplex: bool, faults: Sequence[Table]) -> Procedure:
+def read(table: Table, duplex: bool, faults: Sequence[Fault]) -> Procedure:
     """Read [s5] and [ppc] of a scenario: both, or one whose partner is real. ValueError names the key and the cure."""
     has_s5, has_ppc = "s5" in table, "ppc" in table
     master = table.take("s5", lambda value: Table(value, "[s5]"), Table({}, "[s5]"))
     slave = table.take("ppc", lambda value: Table(value, "[ppc]"), Table({}, "[ppc]"))
-    parameters: dict[tuple[int, bytes], bytes] = {}
-    lists = set()
-    for item in slave.take("parameter", tables("[[ppc.parameter]]"), NO_TABLES):
-        place, data, is_list = _parameter(item)
-        parameters[place] = data
-        if is_list:
-            lists.add(place)
+    parameters = slave.each("parameter", "[[ppc.parameter]]", _parameter)
     procedure = Procedure(
         duplex,
         has_ppc,
         master.take("priority", _PRIORITY, True) if has_s5 else not slave.take("priority", _PRIORITY, False),
-        [_step(step) for step in master.need("script", tables("[s5], step"))] if has_s5 else [],
-        parameters,
-        frozenset(lists),
-        dict(_block(item) for item in slave.take("block", tables("[[ppc.block]]"), NO_TABLES)),
+        master.need("script", each("[s5], step", _step)) if has_s5 else [],
+        {place: data for place, data, _ in parameters},
+        frozenset(place for place, _, is_list in parameters if is_list),
+        dict(slave.each("block", "[[ppc.block]]", _block)),
         slave.take("reaction_ms", milliseconds, _PAUSE_MS * 1_000_000),
-        dict(_slow(item) for item in slave.take("slow", tables("[[ppc.slow]]"), NO_TABLES)),
-        [_fault(fault) for fault in faults],
+        dict(slave.each("slow", "[[ppc.slow]]", _slow)),
+        faults,
     )
     if has_s5 and not procedure.steps:
         raise ValueError("[s5]: script is empty: add a step")
@@ -137,20 +131,15 @@ def _parameter(table: Table) -> tuple[tuple[int, bytes], bytes, bool]:
     head = _head(table, "ident", write=False)
     is_list = "list" in table
     data = _elements(table.need("list", octets)) if is_list else _data(table)
-    table.end()
     return (head.axis, head.parameter), data, is_list
 
 
 def _block(table: Table) -> tuple[int, bytes]:
-    read = table.need("number", BYTE), _data(table)
-    table.end()
-    return read
+    return table.need("number", BYTE), _data(table)
 
 
 def _slow(table: Table) -> tuple[int, int]:
-    read = table.need("command", whole(1, 1 << 31)), table.need("ms", milliseconds)
-    table.end()
-    return read
+    return table.need("command", whole(1, 1 << 31)), table.need("ms", milliseconds)
 
 
 def _head(table: Table, key: str, *, write: bool, last: bool = True) -> Head:
@@ -169,7 +158,7 @@ def _data(table: Table) -> bytes:
     if key == "data":
         data = table.need(key, octets)
         if not data or len(data) % 2:
-            raise ValueError(f"{table.where}: data has {len(data)} bytes: use whole words")
+            raise Misread(f"{table.where}: data has {len(data)} bytes: use whole words")
         return data
     size = 2 if key == "word" else 4
     return table.need(key, whole(0, (1 << 8 * size) - 1)).to_bytes(size, "big")
@@ -184,9 +173,7 @@ def _elements(elements: bytes) -> bytes:
 
 
 def _step(table: Table) -> Step:
-    step = _STEPS[table.one_of(list(_STEPS))](table)
-    table.end()
-    return step
+    return _STEPS[table.one_of(list(_STEPS))](table)
 
 
 def _read(table: Table) -> Step:
@@ -257,14 +244,13 @@ _KINDS: Mapping[str, Sequence[Occasion]] = {
 _NUMBERS = {"late": ("ms", milliseconds), "broken": ("character", whole(1, 4096))}
 
 
-def _fault(table: Table) -> Fault:
+def fault(table: Table) -> Fault:
+    """Read a table [[fault]]. ValueError names the key and the cure."""
     kind = table.need("kind", choice({name: name for name in _KINDS}))
     occasions = _KINDS[kind]
     side = "ppc" if kind == BOTH else table.need("of", choice({"s5": "s5", "ppc": "ppc"}))
     occasion = occasions[0]
     if len(occasions) > 1:
-        occasion = table.take("answer", choice({each.value: each for each in occasions}), occasion)
+        occasion = table.take("answer", choice({one.value: one for one in occasions}), occasion)
     amount = table.need(*_NUMBERS[kind]) if kind in _NUMBERS else 0
-    fault = Fault(side, occasion, Trouble(kind, amount), table.need("which", several(whole(1, 1 << 31))))
-    table.end()
-    return fault
+    return Fault(side, occasion, Trouble(kind, amount), table.need("which", several(whole(1, 1 << 31))))

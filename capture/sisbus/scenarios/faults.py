@@ -154,7 +154,7 @@ class Fault:
         """Parse a table. ValueError names key and cure."""
         name = table.need("kind", choice({name: name for name in _KINDS}))
         kind = _KINDS[name]
-        fault = cls(
+        return cls(
             name,
             table.take("character", whole(0, 262), -1) if kind.at_character else -1,
             _amount(table, kind),
@@ -167,8 +167,6 @@ class Fault:
             table.take("from_s", seconds, 0),
             table.take("to_s", seconds, _EVER_NS),
         )
-        table.end()
-        return fault
 
     def meant(self, telegram: bytes, now_ns: int, scatter: random.Random) -> bool:
         """Tell whether it affects this telegram; call it once for each."""

@@ -16,10 +16,10 @@ from sisbus.playing.player import Player, Times
 from sisbus.procedure3964 import procedure
 from sisbus.procedure3964.procedure import Procedure
 from sisbus.scenarios.faults import Disturbances, Fault
-from sisbus.scenarios.steps import Master, Step, read_steps, script
+from sisbus.scenarios.steps import Master, Step, script, step
 from sisbus.stations.making import make
 from sisbus.stations.slave import Station
-from sisbus.table import NO_TABLES, RATE, STATION, Table, characters, flag, instant_ns, tables, text, whole
+from sisbus.table import RATE, STATION, Table, characters, each, flag, instant_ns, text, whole
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.records.cut import ASCII, PROCEDURE_3964R, SIS, Cut
 
@@ -169,9 +169,9 @@ def _read(table: Table) -> Scenario:
         settings,
         times,
         table.take("ascii_first", characters, b""),
-        [_master(master) for master in table.take("master", tables("[[master]]"), NO_TABLES)],
+        table.each("master", "[[master]]", _master),
         table.take("station", _list, []),
-        [Fault.of_table(fault) for fault in table.take("fault", tables("[[fault]]"), NO_TABLES)],
+        table.each("fault", "[[fault]]", Fault.of_table),
         begin_ns=table.take("begin", instant_ns, None),
     )
     table.end()
@@ -181,7 +181,7 @@ def _read(table: Table) -> Scenario:
 def _read_procedure(table: Table, line: Table) -> Scenario:
     """Read a scenario of 3964R."""
     title, duplex = table.need("title", text), line.take("duplex", flag, False)
-    faults = table.take("fault", tables("[[fault]]"), NO_TABLES)
+    faults = table.each("fault", "[[fault]]", procedure.fault)
     settings, times = _line(line)
     scenario = Scenario(title, settings, times, b"", [], [], [], procedure.read(table, duplex, faults))
     if times:
@@ -215,9 +215,7 @@ def character_format(baud: int, format: str) -> LineSettings:
 def _master(table: Table) -> _MasterTable:
     address = table.need("address", STATION)
     repeats = table.take("repeats", whole(0, 100), 2)
-    steps = read_steps(table.need("script", tables(f"{table.where}, step")))
-    table.end()
-    return _MasterTable(address, repeats, steps)
+    return _MasterTable(address, repeats, table.need("script", each(f"{table.where}, step", step)))
 
 
 def _values(content: object, key: str) -> Iterator[object]:

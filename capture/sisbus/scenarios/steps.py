@@ -17,13 +17,14 @@ from sisbus.table import (
     BYTE,
     LONG,
     STATION,
+    Misread,
     Table,
     ascii_text,
     choice,
+    each,
     milliseconds,
     octets,
     several,
-    tables,
     whole,
 )
 from sistap.tap.sis.telegram import build, parse, status
@@ -85,19 +86,13 @@ def _number(value: object) -> int | None:
 
 def script(steps: Sequence[Step], master: Master) -> Script:
     """Play steps one after the other."""
-    for step in steps:
-        yield from step(master)
+    for each_step in steps:
+        yield from each_step(master)
 
 
-def read_steps(step_tables: Sequence[Table]) -> list[Step]:
-    """Read a list of steps. ValueError names the step, the key and the cure."""
-    return [_step(table) for table in step_tables]
-
-
-def _step(table: Table) -> Step:
-    step = _STEPS[table.one_of(list(_STEPS))](table)
-    table.end()
-    return step
+def step(table: Table) -> Step:
+    """Read a step. ValueError names it, the key and the cure."""
+    return _STEPS[table.one_of(list(_STEPS))](table)
 
 
 # -- Steps of one telegram and its reaction -------------------------------------------------------------------------
@@ -116,12 +111,8 @@ def _body(table: Table, device: int) -> Body:
 def _list(table: Table) -> Step:
     """Read a list of services (chapter 7): each item is a step, without a receiver."""
     address = Address.of(table)
-    data = b""
-    for item in table.need("list", tables(f"{table.where}, list item")):
-        service, item_data = _body(item, address.last)
-        item.end()
-        data += bytes([1 + len(item_data), service]) + item_data
-    return _to(address, Body(0x04, data))
+    bodies = table.need("list", each(f"{table.where}, list item", lambda item: _body(item, address.last)))
+    return _to(address, Body(0x04, b"".join(bytes([1 + len(data), service]) + data for service, data in bodies)))
 
 
 def _to(address: Address, body: Body) -> Step:
@@ -131,11 +122,11 @@ def _to(address: Address, body: Body) -> Step:
 def _each(actions: Callable[[Master], Iterable[Action]]) -> Step:
     """Return a step of actions that do not depend on what is answered."""
 
-    def step(master: Master) -> Script:
+    def play(master: Master) -> Script:
         for action in actions(master):  # noqa: UP028 - an answer is sent to it
             yield action
 
-    return step
+    return play
 
 
 def _raw(table: Table) -> Step:
@@ -157,13 +148,13 @@ def _read(table: Table) -> Step:
     address = Address.of(table)
     body = Body(0x10, access(table, "read", address.last))
 
-    def step(master: Master) -> Script:
+    def play(master: Master) -> Script:
         for _ in range(_PIECES):
             reaction = yield address.command(master, body)
             if not _good(reaction) or _body_of(reaction)[1] & LAST:
                 return
 
-    return step
+    return play
 
 
 def _write(table: Table) -> Step:
@@ -173,14 +164,14 @@ def _write(table: Table) -> Step:
     size = table.take("piece", whole(1, 240), max(1, len(data)))
     pieces = [data[start : start + size] for start in range(0, len(data), size)] or [b""]
 
-    def step(master: Master) -> Script:
+    def play(master: Master) -> Script:
         for place, piece in enumerate(pieces, start=1):
             control = where[0] if place == len(pieces) else where[0] & ~LAST
             reaction = yield address.command(master, Body(0x1F, bytes([control]) + where[1:] + piece))
             if not _good(reaction):
                 return
 
-    return step
+    return play
 
 
 def _switch(table: Table) -> Step:
@@ -188,7 +179,7 @@ def _switch(table: Table) -> Step:
     address = Address.of(table)
     phase = table.need("switch", BYTE)
 
-    def step(master: Master) -> Script:
+    def play(master: Master) -> Script:
         reaction = yield address.command(master, Body(0x1D, bytes([phase])))
         for _ in range(_POLLS):
             if not _good(reaction) or _body_of(reaction)[1:] == bytes([phase]):
@@ -196,7 +187,7 @@ def _switch(table: Table) -> Step:
             yield Wait(_POLL_NS)
             reaction = yield address.command(master, Body(0x12, b""))
 
-    return step
+    return play
 
 
 def _download(table: Table) -> Step:
@@ -208,7 +199,7 @@ def _download(table: Table) -> Step:
     device_type = table.take("device_type", BYTE, 4)
     device = table.take("device", BYTE, address.last)
 
-    def step(master: Master) -> Script:
+    def play(master: Master) -> Script:
         data = module(random.Random(f"{master.seed} download").randbytes((length - CHECKSUMS) & ~1))
         for offset in range(0, len(data), _BLOCK):
             where = (start + offset).to_bytes(4, "little") + bytes([device_type])
@@ -217,7 +208,7 @@ def _download(table: Table) -> Step:
             if not _good(reaction):
                 return
 
-    return step
+    return play
 
 
 def _good(reaction: bytes | None) -> bool:
@@ -252,19 +243,19 @@ def _repeat(table: Table) -> Step:
 
 def _passes(table: Table, key: str, count: Callable[[Master], int]) -> Step:
     """Read steps that are repeated; each pass begins `every_ms` after the one before."""
-    steps = read_steps(table.need(key, tables(f"{table.where}, {key} step")))
+    steps = table.need(key, each(f"{table.where}, {key} step", step))
     every_ns = table.take("every_ms", milliseconds, 0)
     if not _sends(table.need(key, lambda value: value)):
-        raise ValueError(f"{table.where}: {key} sends nothing; give it a step that does")
+        raise Misread(f"{table.where}: {key} sends nothing; give it a step that does")
 
-    def step(master: Master) -> Script:
+    def play(master: Master) -> Script:
         passes = count(master)
         for _ in range(passes) if passes else itertools.count():
             begun = master.line.now_ns
             yield from script(steps, master)
             yield Wait(max(0, begun + every_ns - master.line.now_ns))
 
-    return step
+    return play
 
 
 def _sends(content: object) -> bool:
@@ -280,11 +271,11 @@ def _test_rate(table: Table) -> Step:
     address = Address.of(table)
     mask = table.need("test_rate", rate_mask)
     ms = table.need("ms", whole(1, 0xFFFF))
-    steps = read_steps(table.need("steps", tables(f"{table.where}, step")))
+    steps = table.need("steps", each(f"{table.where}, step", step))
     device = table.take("device", BYTE, address.last)
     body = Body(0x03, bytes([device, 0x08]) + ms.to_bytes(2, "little") + mask)
 
-    def step(master: Master) -> Script:
+    def play(master: Master) -> Script:
         reaction = yield address.command(master, body)
         over_ns = master.line.now_ns + (ms + _FALL_BACK_MS) * 1_000_000
         if not _good(reaction):
@@ -292,7 +283,7 @@ def _test_rate(table: Table) -> Step:
         yield from script(steps, master)
         yield Wait(max(0, over_ns - master.line.now_ns))
 
-    return step
+    return play
 
 
 def _token(table: Table) -> Step:

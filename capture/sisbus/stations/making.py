@@ -14,7 +14,7 @@ from sisbus.stations.initialization import Initialization
 from sisbus.stations.sercos import OF_DRIVES, Parameters, Segments
 from sisbus.stations.slave import EDITIONS, Edition, Router, Slave, Station
 from sisbus.stations.terminal import Terminal
-from sisbus.table import BYTE, NO_TABLES, STATION, Table, ascii_text, choice, flag, several, tables, whole
+from sisbus.table import BYTE, STATION, Table, ascii_text, choice, flag, several, tables, whole
 from sistap.tap.sis.codes import LAYOUTS
 from sistap.tap.sis.rates import BAUD_MASKS, RATES
 
@@ -62,7 +62,7 @@ def _level(tables: Sequence[Table], seed: int) -> list[Station]:
 
 def _station(table: Table, seed: int) -> Station:
     slave = _slave(table, seed)
-    behind = _level(table.take("behind", tables(f"{table.where}, behind"), NO_TABLES), seed)
+    behind = _level(table.take("behind", tables(f"{table.where}, behind"), []), seed)
     table.end()
     return Router(slave, behind) if behind else slave
 
