@@ -86,9 +86,10 @@ def _parameter(name: str, table: Table) -> Parameter:
     bits = table.need("type", choice(_TYPES)).bits | table.take("decimals", whole(0, 15), 0) << 24
     attribute = Attribute(bits | table.take("writable", choice(_WRITABLE), 0))
     value = partial(_value, attribute)
+    standard = S_NAMES.get(int(name[4:])) if name.startswith("S-0-") else None
     return Parameter(
         name,
-        table.take("name", ascii_text(), _standard_name(name)),
+        table.take("name", ascii_text(), standard),
         attribute,
         _data(table, attribute, value),
         table.take("unit", ascii_text(), None),
@@ -99,11 +100,6 @@ def _parameter(name: str, table: Table) -> Parameter:
         procedure=_procedure(table) if attribute.is_command else None,
         refuse=table.take("refuse", WORD, None),
     )
-
-
-def _standard_name(name: str) -> str | None:
-    """Return the name of an S parameter of set 0, if SERCOS III has one."""
-    return S_NAMES.get(int(name[4:])) if name.startswith("S-0-") else None
 
 
 def _procedure(table: Table) -> Procedure:

@@ -68,10 +68,6 @@ _MS = 1_000_000
 Disturb = Callable[[Sending, int], Sending]  # with the time in ns
 
 
-def _undisturbed(sending: Sending, now_ns: int) -> Sending:  # noqa: ARG001
-    return sending
-
-
 class Player:
     """The simulated line with its stations: sends telegrams, one after the other."""
 
@@ -82,7 +78,7 @@ class Player:
         seed: int,
         stations: Sequence[Station] = (),
         times: Times | None = None,
-        disturb: Disturb = _undisturbed,
+        disturb: Disturb = lambda sending, now_ns: sending,
     ) -> None:
         """Start at time 0 with a silent line; `disturb` changes what is sent, for all receivers."""
         self.settings = settings

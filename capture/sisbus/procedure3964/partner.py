@@ -74,14 +74,10 @@ def packed(data: bytes) -> bytes:
     return block + bytes([check_character(block)])
 
 
-def _nothing(occasion: Occasion) -> Trouble | None:  # noqa: ARG001
-    return None
-
-
 class Partner:
     """One side. Queues hold what it has received, and whether its blocks were acknowledged."""
 
-    def __init__(self, *, high: bool, disturb: Disturb = _nothing) -> None:
+    def __init__(self, *, high: bool, disturb: Disturb = lambda occasion: None) -> None:
         """Begin idle. If both request, the one of low priority gives way."""
         self.received: deque[bytes] = deque()
         self.outcomes: deque[bool] = deque()

@@ -32,6 +32,7 @@ from sisbus.table import (
 from sistap.tap.line.settings import LineSettings
 
 _AXIS = whole(0, 40)
+_NTH = whole(1, 1 << 31)
 _LARGE = 1024  # bytes; a longer list is a "current transmission"
 _PAUSE_MS = 20
 _PRIORITY = choice({"high": True, "low": False})
@@ -113,7 +114,7 @@ def read(table: Table, duplex: bool, faults: Sequence[Fault]) -> Procedure:
         master.need("script", each("[s5], step", _step)) if has_s5 else [],
         {place: data for place, data, _ in parameters},
         frozenset(place for place, _, is_list in parameters if is_list),
-        dict(slave.each("block", "[[ppc.block]]", _block)),
+        dict(slave.each("block", "[[ppc.block]]", lambda block: (block.need("number", BYTE), _data(block)))),
         slave.take("reaction_ms", milliseconds, _PAUSE_MS * 1_000_000),
         dict(slave.each("slow", "[[ppc.slow]]", _slow)),
         faults,
@@ -134,12 +135,8 @@ def _parameter(table: Table) -> tuple[tuple[int, bytes], bytes, bool]:
     return (head.axis, head.parameter), data, is_list
 
 
-def _block(table: Table) -> tuple[int, bytes]:
-    return table.need("number", BYTE), _data(table)
-
-
 def _slow(table: Table) -> tuple[int, int]:
-    return table.need("command", whole(1, 1 << 31)), table.need("ms", milliseconds)
+    return table.need("command", _NTH), table.need("ms", milliseconds)
 
 
 def _head(table: Table, key: str, *, write: bool, last: bool = True) -> Head:
@@ -253,4 +250,4 @@ def fault(table: Table) -> Fault:
     if len(occasions) > 1:
         occasion = table.take("answer", choice({one.value: one for one in occasions}), occasion)
     amount = table.need(*_NUMBERS[kind]) if kind in _NUMBERS else 0
-    return Fault(side, occasion, Trouble(kind, amount), table.need("which", several(whole(1, 1 << 31))))
+    return Fault(side, occasion, Trouble(kind, amount), table.need("which", several(_NTH)))

@@ -232,10 +232,6 @@ def _until(table: Table) -> Step:
     return _each(lambda master: [Wait(max(0, time_ns - master.line.now_ns))])
 
 
-def _loop(table: Table) -> Step:
-    return _passes(table, "loop", lambda master: master.cycles)
-
-
 def _repeat(table: Table) -> Step:
     times = table.need("times", whole(1, 1_000_000))
     return _passes(table, "repeat", lambda _: times)
@@ -310,7 +306,7 @@ _STEPS: dict[str, Callable[[Table], Step]] = {
     "wait_ms": _wait,
     "at_ms": _until,
     "repeat": _repeat,
-    "loop": _loop,
+    "loop": lambda table: _passes(table, "loop", lambda master: master.cycles),
     "test_rate": _test_rate,
     "token": _token,
     "play": _demo,

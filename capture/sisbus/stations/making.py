@@ -73,7 +73,10 @@ def _slave(table: Table, seed: int) -> Slave:
     edition = table.take("edition", choice(EDITIONS), EDITIONS[kind.edition])
     rates = table.take("rates", several(_rate), list(RATES))
     initialization = Initialization(rates)
-    equipment = _equipment(table, kind, address, seed, initialization)
+    if kind.model:
+        equipment = Equipment.of_drive(table, address, seed, kind.model, lambda: initialization.accepted.tmas)
+    else:
+        equipment = Equipment.of_control(table, address, seed, kind.synax)
     memory, worn = Memory(f"{seed} memory {address}"), table.take("worn", flag, False)
     flash = Flash(memory, equipment.phases.at, edition, _restarting(equipment, initialization), worn)
     services = {
@@ -107,12 +110,6 @@ def _restarting(equipment: Equipment, initialization: Initialization) -> Callabl
         initialization.power_on(initialization.accepted.baud)
 
     return restart
-
-
-def _equipment(table: Table, kind: _Kind, address: int, seed: int, initialization: Initialization) -> Equipment:
-    if kind.model is None:
-        return Equipment.of_control(table, address, seed, kind.synax)
-    return Equipment.of_drive(table, address, seed, kind.model, lambda: initialization.accepted.tmas)
 
 
 def _identification(table: Table, kind: _Kind, rates: list[int]) -> Service:
