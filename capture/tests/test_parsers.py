@@ -34,6 +34,7 @@ from sistap.tap.records import record
 from sistap.tap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.tap.records.record import Record, Type
 from sistap.tap.sis import telegram
+from sistap.tap.sis.attribute import Attribute
 from sistap.tap.sis.initialization import Follow
 from sistap.tap.sis.told import Told
 from sistap.tap.terminal.exits import UsageError
@@ -102,7 +103,7 @@ def test_backups_of_drives(tmp_path_factory: pytest.TempPathFactory, data: bytes
 @given(st.integers(0, (1 << 32) - 1), st.text("0123456789.-+eExXabSPinf \n", max_size=50))
 def test_values_of_backups(bits: int, text: str) -> None:
     with suppress(values.Unreadable):
-        values.encoded(values.Attribute(bits), text)
+        values.encoded(Attribute(bits), text)
 
 
 @given(bytes_like(RECORD))

@@ -19,9 +19,8 @@ from sisbus.devices.parameter_sets import PARAMETER_MODE_ONLY, built_in
 from sisbus.devices.parameters import AccessError, Element, Parameter, ident, text
 from sisbus.stations import making
 from sisbus.stations.flash import module
-from sisbus.stations.initialization import Initialization
 from sisbus.stations.making import make
-from sisbus.stations.slave import Router, Slave, Station
+from sisbus.stations.station import Station
 from sistap.tap.sis.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
 from sistap.tap.sis.codes import LAYOUTS, Item, Layout
 from sistap.tap.sis.telegram import build, parse
@@ -727,12 +726,8 @@ def test_each_drive_has_a_channel_of_its_own() -> None:
 # -- Routing (chapter 2.2) ------------------------------------------------------------------------------------------
 
 
-class EndStation:
+class EndStation(Station):
     """Station 8 of fig. 2-12 and 2-13, whose bodies are dummies."""
-
-    address = 8
-    initialization = Initialization()
-    terminal = None
 
     def __init__(self) -> None:
         self.heard: list[bytes] = []
@@ -742,14 +737,10 @@ class EndStation:
         return octets("02 E9 03 03 10 03 02 08 00 01 F1")
 
 
-class Passing:
+class Passing(Station):
     """Notes what passes a station."""
 
-    initialization = Initialization()
-    terminal = None
-
-    def __init__(self, station: Router) -> None:
-        self.address = station.address
+    def __init__(self, station: Station) -> None:
         self.heard: list[bytes] = []
         self.said: list[bytes | None] = []
         self._station = station
@@ -760,10 +751,10 @@ class Passing:
         return self.said[-1]
 
 
-def router(address: int, behind: Station) -> Router:
-    front = drive(address)
-    assert isinstance(front, Slave)
-    return Router(front, [behind])
+def router(address: int, behind: Station) -> Station:
+    router = drive(address)
+    router._behind = [behind]
+    return router
 
 
 def test_routing_as_in_fig_2_10_to_2_15() -> None:

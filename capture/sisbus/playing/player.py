@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from sisbus.playing.characters import Branch, Character, Faults, Played, Sending, Slot
 from sisbus.playing.conducting import Exchange, Rate
-from sisbus.stations.slave import Station
+from sisbus.stations.station import Station
 from sistap.tap.line.settings import Flag, LineSettings
 from sistap.tap.sis.initialization import Change, Follow
 from sistap.tap.sis.telegram import is_whole

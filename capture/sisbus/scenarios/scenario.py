@@ -18,7 +18,7 @@ from sisbus.procedure3964.procedure import Procedure
 from sisbus.scenarios.faults import Disturbances, Fault
 from sisbus.scenarios.steps import Master, Step, script, step
 from sisbus.stations.making import make
-from sisbus.stations.slave import Station
+from sisbus.stations.station import Station
 from sisbus.table import RATE, STATION, Table, characters, each, flag, instant_ns, text, whole
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.records.cut import ASCII, PROCEDURE_3964R, SIS, Cut

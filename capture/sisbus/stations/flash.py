@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from sisbus.service import Request, ServiceFailed, ServiceRefused, Status, by_subservice
-from sisbus.stations.slave import Edition
+from sisbus.stations.station import Edition
 
 
 class Area(NamedTuple):

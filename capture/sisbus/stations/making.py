@@ -12,7 +12,7 @@ from sisbus.stations.flash import Flash, Memory
 from sisbus.stations.general import LIST, LONGEST_TEXT, cancel, identification, service_list
 from sisbus.stations.initialization import Initialization
 from sisbus.stations.sercos import OF_DRIVES, Parameters, Segments
-from sisbus.stations.slave import EDITIONS, Edition, Router, Slave, Station
+from sisbus.stations.station import EDITIONS, Edition, Station
 from sisbus.stations.terminal import Terminal
 from sisbus.table import BYTE, STATION, Table, ascii_text, choice, flag, several, tables, whole
 from sistap.tap.sis.codes import LAYOUTS
@@ -61,13 +61,6 @@ def _level(tables: Sequence[Table], seed: int) -> list[Station]:
 
 
 def _station(table: Table, seed: int) -> Station:
-    slave = _slave(table, seed)
-    behind = _level(table.take("behind", tables(f"{table.where}, behind"), []), seed)
-    table.end()
-    return Router(slave, behind) if behind else slave
-
-
-def _slave(table: Table, seed: int) -> Slave:
     address = table.need("address", STATION)
     kind = table.take("kind", choice(_KINDS), _KINDS["drive"])
     edition = table.take("edition", choice(EDITIONS), EDITIONS[kind.edition])
@@ -86,7 +79,7 @@ def _slave(table: Table, seed: int) -> Slave:
         0x03: initialization.service,
         **_services_of_devices(kind, edition, equipment),
     }
-    slave = Slave(
+    station = Station(
         address,
         edition,
         services,
@@ -96,10 +89,12 @@ def _slave(table: Table, seed: int) -> Slave:
         available=lambda service: service in _LOADER_SERVICES or not flash.in_loader,
         error=lambda: flash.error or any(drive.error is not None for drive in equipment.drives),
         terminal=Terminal(address, equipment.by_address[address][0]) if kind.model else None,
+        behind=_level(table.take("behind", tables(f"{table.where}, behind"), []), seed),
     )
     if edition.lists:
-        services[LIST] = service_list(slave.execute)
-    return slave
+        services[LIST] = service_list(station.execute)
+    table.end()
+    return station
 
 
 def _restarting(equipment: Equipment, initialization: Initialization) -> Callable[[], None]:

@@ -13,7 +13,7 @@ from sisbus.procedure3964.partner import Saying
 from sisbus.procedure3964.procedure import Procedure
 from sisbus.scenarios.scenario import Playing
 from sisbus.stations.initialization import Timing
-from sisbus.stations.slave import Station
+from sisbus.stations.station import Station
 from sisbus.wires.receiver import Receiver
 from sisbus.wires.wire import Log
 from sistap.tap.line.clock import monotonic_ns

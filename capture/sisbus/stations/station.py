@@ -76,8 +76,11 @@ EDITIONS = {
 # -- A slave: which telegrams it accepts, and how it answers them (IF02 chapter 2) -----------------------------------
 
 
-class Slave:
-    """Address, services, and the reaction that is kept for a repeated command."""
+class Station:
+    """A slave, with its services, the stations behind it, and the reaction that is kept for a repeated command.
+
+    Its time is the bus's, in ns since the bus was started, and never goes back.
+    """
 
     def __init__(  # noqa: PLR0913 - the parts of a station
         self,
@@ -91,11 +94,13 @@ class Slave:
         available: Callable[[int], bool] = lambda service: True,
         error: Callable[[], bool] = lambda: False,
         terminal: Terminal | None = None,
+        behind: Sequence[Station] = (),
     ) -> None:
         """Take the parts of the station.
 
         It obeys commands for its `groups`. `refuse` maps services to the status of their refusal. `available` tells
-        whether a service is available now, `error` whether the system diagnosis has an error.
+        whether a service is available now, `error` whether the system diagnosis has an error. The stations `behind` it
+        are on a level of their own.
         """
         self.address = address
         self.initialization = initialization
@@ -106,10 +111,24 @@ class Slave:
         self._refuse = refuse or {}
         self._available = available
         self._error = error
+        self._behind = behind
         self._kept: tuple[bytes, bytes] | None = None  # static header with number, and the reaction to it
 
     def react(self, command: bytes, now_ns: int) -> bytes | None:
-        """Return the reaction, with the addresses of the command; None for commands to others or to all.
+        """Return the reaction to a command whose last character has arrived: its own, or one from behind it.
+
+        None if there is none, such as for commands to others or to all.
+        """
+        header = parse(command) if self._behind and damage(command) is None else None
+        if header and not header.reaction:
+            if header.receiver == BROADCAST:
+                self._pass_on(header, BROADCAST, header.subaddresses, now_ns)  # global: for all levels
+            elif header.subaddresses and self._is_meant(header.receiver):
+                return self._routed(header, now_ns)
+        return self._own(command, now_ns)
+
+    def _own(self, command: bytes, now_ns: int) -> bytes | None:
+        """Return its own reaction, with the addresses of the command.
 
         A damaged command is answered only at a point-to-point connection: on a bus its receiver is unknown.
         """
@@ -120,14 +139,14 @@ class Slave:
         status = damage(command)
         if status is not None:
             return self._reaction(header, bytes([status])) if alone else None
-        if not self.is_meant(header.receiver) and header.receiver not in self._all:
+        if not self._is_meant(header.receiver) and header.receiver not in self._all:
             return None
         if header.reaction:
             return self._reaction(header, bytes([Status.INVALID_TELEGRAM])) if alone else None
         reaction = self._once(header, command[:STATIC_LENGTH], now_ns)
         return None if header.receiver in self._all else reaction
 
-    def is_meant(self, receiver: int) -> bool:
+    def _is_meant(self, receiver: int) -> bool:
         """Tell whether a receiver address means this station alone."""
         return receiver in (self.address, self._edition.point_to_point)
 
@@ -166,73 +185,26 @@ class Slave:
             self._kept = (kept, reaction) if header.number else None
         return reaction
 
-    def _reaction(self, header: Header, body: bytes) -> bytes:
+    def _reaction(self, header: Header, body: bytes, system: int | None = None) -> bytes:
         return build(
             header.service,
             header.sender,
             header.receiver,
             body,
             reaction=True,
-            system=self._edition.control(body, self._error()),
+            system=self._edition.control(body, self._error()) if system is None else system,
             subaddresses=header.subaddresses,
             number=header.number,
         )
 
+    # -- Routing (chapter 2.2) ------------------------------------------------------------------------------------
 
-def damage(command: bytes) -> int | None:
-    """Return the status for a damaged telegram; None if it is whole."""
-    if len(command) < STATIC_LENGTH or command[0] != START:
-        return Status.INVALID_TELEGRAM
-    if command[2] != command[3] or len(command) != STATIC_LENGTH + command[3]:
-        return Status.WRONG_LENGTH
-    return None if checksum_good(command) else Status.WRONG_CHECKSUM
-
-
-# -- Routing ---------------------------------------------------------------------------------------------------------
-
-
-class Router:
-    """A station that answers for itself and routes telegrams with subaddresses."""
-
-    def __init__(self, station: Slave, behind: Sequence[Station]) -> None:
-        """Put the stations `behind` on a level below `station`."""
-        self.address = station.address
-        self._station = station
-        self._behind = behind
-
-    @property
-    def initialization(self) -> Initialization:
-        """Return the settings of the line above."""
-        return self._station.initialization
-
-    @property
-    def terminal(self) -> Terminal | None:
-        """Return the ASCII protocol of the router itself."""
-        return self._station.terminal
-
-    def react(self, command: bytes, now_ns: int) -> bytes | None:
-        """Return the station's own reaction, or that from below; None if nobody answers."""
-        if damage(command) is not None:
-            return self._station.react(command, now_ns)
-        header = parse(command)
-        if not header.reaction and header.receiver == BROADCAST:
-            self._pass_on(header, BROADCAST, header.subaddresses, now_ns)  # global: for all levels
-        if header.reaction or not self._station.is_meant(header.receiver) or not header.subaddresses:
-            return self._station.react(command, now_ns)
+    def _routed(self, header: Header, now_ns: int) -> bytes | None:
         answer = self._pass_on(header, header.subaddresses[0], header.subaddresses[1:], now_ns)
         if answer is None:
             return None
         below = parse(answer)
-        return build(
-            header.service,
-            header.sender,
-            header.receiver,
-            below.body,
-            reaction=True,
-            system=below.control & CONTROL_SYSTEM,
-            subaddresses=header.subaddresses,
-            number=header.number,
-        )
+        return self._reaction(header, below.body, below.control & CONTROL_SYSTEM)
 
     def _pass_on(self, header: Header, receiver: int, subaddresses: bytes, now_ns: int) -> bytes | None:
         """Let all stations of the level below hear the command; return the reaction of its receiver."""
@@ -243,4 +215,10 @@ class Router:
         return next((reaction for reaction in reactions if reaction), None)
 
 
-Station = Slave | Router  # its time is the bus's, in ns since the bus was started, and never goes back
+def damage(command: bytes) -> int | None:
+    """Return the status for a damaged telegram; None if it is whole."""
+    if len(command) < STATIC_LENGTH or command[0] != START:
+        return Status.INVALID_TELEGRAM
+    if command[2] != command[3] or len(command) != STATIC_LENGTH + command[3]:
+        return Status.WRONG_LENGTH
+    return None if checksum_good(command) else Status.WRONG_CHECKSUM
