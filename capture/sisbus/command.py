@@ -230,21 +230,21 @@ def _play(  # noqa: PLR0913 - what, how and where, and what goes with it
 
 def _meet(args: argparse.Namespace, settings: LineSettings, played: Scenario, how: Playing, log: Log | None) -> None:
     """Play one half of the bus at a place where the other one is real, until its end or a signal."""
-    from sisbus.wires.answering import BusTime, Noting, meet_partner
+    from sisbus.wires.answering import Noting, meet_partner
     from sisbus.wires.answering import serve as answer
 
     port = place.port(args, settings, args.seed)
     try:
-        bus_time = BusTime()
+        pace = Pace()
         noting = None
         if log:
             log.begin(f"{settings.baud} {settings.format}, {port.name}, time 0 is {CLOCK.now_ns()} ns since 1970")
             noting = Noting(log, settings, played.cut)
         print(port.name, flush=True)
         if played.procedure:
-            meet_partner(port, played.procedure, how, bus_time, noting)
+            meet_partner(port, played.procedure, how, pace, noting)
         else:
-            answer(port, played.stations(args.seed), bus_time, noting)
+            answer(port, played.stations(args.seed), pace, noting)
     except OSError as error:
         saved = "; the log has what came before" if log else ""
         raise Refusal(FAILED, f"the bus stopped: {error.strerror or error}{saved}") from error

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, NoReturn, Protocol
 
@@ -15,8 +14,7 @@ from sisbus.scenarios.scenario import Playing
 from sisbus.stations.initialization import Timing
 from sisbus.stations.station import Station
 from sisbus.wires.receiver import Receiver
-from sisbus.wires.wire import Log
-from sistap.tap.line.clock import monotonic_ns
+from sisbus.wires.wire import Log, Pace
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.cut import SIS, Cut
 from sistap.tap.records.record import Record, Type
@@ -102,25 +100,6 @@ class Port(Protocol):
 
     def change(self, settings: LineSettings) -> None:
         """Continue with other settings."""
-
-
-class BusTime:
-    """The time of the bus, in ns since it was started."""
-
-    def __init__(self) -> None:
-        self._zero = monotonic_ns()
-
-    def now_ns(self) -> int:
-        """Return the time."""
-        return monotonic_ns() - self._zero
-
-    def until_s(self, time_ns: int) -> float:
-        """Return the seconds from now until then; 0 if it is past."""
-        return max(0.0, (time_ns - self.now_ns()) / _SECOND)
-
-    def wait_until(self, time_ns: int) -> None:
-        """Sleep."""
-        time.sleep(self.until_s(time_ns))
 
 
 class Answer(NamedTuple):
@@ -216,15 +195,13 @@ class _Ear:
         return self.station.initialization.timing(now_ns)
 
 
-def serve(
-    port: Port, stations: Sequence[Station], bus_time: BusTime | None = None, noting: Noting | None = None
-) -> NoReturn:
+def serve(port: Port, stations: Sequence[Station], pace: Pace | None = None, noting: Noting | None = None) -> NoReturn:
     """Answer the master at a port until a signal handler raises something, or the port is lost.
 
     The stations begin with the rate of the port; when they are told another one, the port changes to it. `noting` logs
     what comes and what is answered.
     """
-    clock = bus_time or BusTime()
+    clock = pace or Pace()
     answering = Answering(stations, port.settings)
     try:
         _serve(port, answering, clock, noting)
@@ -233,12 +210,12 @@ def serve(
             noting.end()
 
 
-def _serve(port: Port, answering: Answering, clock: BusTime, noting: Noting | None) -> NoReturn:
+def _serve(port: Port, answering: Answering, clock: Pace, noting: Noting | None) -> NoReturn:
     while True:
         now_ns = clock.now_ns()
         wake_ns = answering.wake_ns(now_ns)
         until_ns = now_ns + _LOOK_NS if wake_ns is None else min(wake_ns, now_ns + _LOOK_NS)
-        values = port.read(clock.until_s(until_ns))
+        values = port.read(max(0.0, clock.left_s(until_ns)))
         now_ns = clock.now_ns()
         if noting:
             noting.heard(values, now_ns)
@@ -272,26 +249,22 @@ class PartnerPort(Port, Protocol):
         """Return when somebody may be there."""
 
 
-def meet_partner(
-    port: PartnerPort, procedure: Procedure, how: Playing, bus_time: BusTime, noting: Noting | None
-) -> None:
+def meet_partner(port: PartnerPort, procedure: Procedure, how: Playing, pace: Pace, noting: Noting | None) -> None:
     """Play the PPC until a signal comes, or the S5 until its end; then print its counts."""
     if procedure.has_ppc:
-        meet(port, procedure.ppc(), how.end_ns, bus_time, noting)
+        meet(port, procedure.ppc(), how.end_ns, pace, noting)
         return
     s5 = procedure.s5(how.seed, how.cycles)
     port.wait_for_partner()
     try:
-        meet(port, s5, how.end_ns, bus_time, noting)
+        meet(port, s5, how.end_ns, pace, noting)
     finally:
         print(s5.counts, flush=True)
 
 
-def meet(
-    port: Port, station: S5 | Ppc, end_ns: float, bus_time: BusTime | None = None, noting: Noting | None = None
-) -> None:
+def meet(port: Port, station: S5 | Ppc, end_ns: float, pace: Pace | None = None, noting: Noting | None = None) -> None:
     """Play one side at a port until it is over, or until that time of the bus. `noting` logs what comes and goes."""
-    clock = bus_time or BusTime()
+    clock = pace or Pace()
     try:
         while not station.over and clock.now_ns() < end_ns:
             _step(port, station, clock, noting)
@@ -300,7 +273,7 @@ def meet(
             noting.end()
 
 
-def _step(port: Port, station: S5 | Ppc, clock: BusTime, noting: Noting | None) -> None:
+def _step(port: Port, station: S5 | Ppc, clock: Pace, noting: Noting | None) -> None:
     """Wait for characters or until something is due, and act on it."""
 
     def say(saying: Saying | None) -> None:
@@ -314,7 +287,7 @@ def _step(port: Port, station: S5 | Ppc, clock: BusTime, noting: Noting | None) 
 
     latest_ns = clock.now_ns() + _LOOK_NS
     due_ns = station.due_ns
-    values = port.read(clock.until_s(latest_ns if due_ns is None else min(due_ns, latest_ns)))
+    values = port.read(max(0.0, clock.left_s(latest_ns if due_ns is None else min(due_ns, latest_ns))))
     now_ns = clock.now_ns()
     if noting:
         noting.heard(values, now_ns)

@@ -12,8 +12,8 @@ from sisbus.playing.conducting import Exchange, Rate, conduct, is_answered
 from sisbus.playing.player import Times
 from sisbus.scenarios.scenario import Playing, Scenario
 from sisbus.wires.port import TransmittingPort
-from sisbus.wires.wire import Log
-from sistap.tap.line.clock import CLOCK, monotonic_ns
+from sisbus.wires.wire import Log, Pace
+from sistap.tap.line.clock import CLOCK
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.framer import SisFramer
 from sistap.tap.records.record import Record, Type
@@ -37,7 +37,7 @@ class RealLine:
         self.commands = self.reactions = self.unanswered = 0
         self._port = port
         self._times = times
-        self._zero = monotonic_ns()
+        self._pace = Pace()
         self._follow = Follow(port.settings.baud)
 
     @property
@@ -48,7 +48,7 @@ class RealLine:
     @property
     def now_ns(self) -> int:
         """Return the time in ns since the line was opened."""
-        return monotonic_ns() - self._zero
+        return self._pace.now_ns()
 
     @property
     def counts(self) -> str:

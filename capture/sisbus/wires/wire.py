@@ -19,7 +19,7 @@ class Refusal(Exception):
         self.code = code
 
 
-_SPIN_NS = 150_000  # a sleep ends up to this late
+_SPIN_S = 150e-6  # a sleep ends up to this late
 
 
 class Pace:
@@ -40,16 +40,18 @@ class Pace:
         """Sleep until close to the instant, then watch the clock: a character takes only tens of microseconds."""
         if self.simulated:
             return
-        instant = self._zero + time_ns
-        remaining = instant - monotonic_ns()
-        if remaining > _SPIN_NS:
-            time.sleep((remaining - _SPIN_NS) / 1e9)
-        while monotonic_ns() < instant:
+        if (left_s := self.left_s(time_ns)) > _SPIN_S:
+            time.sleep(left_s - _SPIN_S)
+        while self.left_s(time_ns) > 0:
             pass
 
+    def now_ns(self) -> int:
+        """Return the time, if it is not simulated."""
+        return monotonic_ns() - self._zero
+
     def left_s(self, time_ns: int) -> float:
-        """Return the time until the instant, in s."""
-        return (self._zero + time_ns - monotonic_ns()) / 1e9
+        """Return the time until the instant, in s; negative if it is past."""
+        return (time_ns - self.now_ns()) / 1e9
 
     def wall_ns(self, time_ns: int = 0) -> int:
         """Return the instant in ns since 1970."""
