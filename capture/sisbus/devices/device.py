@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from sisbus.devices.parameters import LAST, NOT_AVAILABLE, OUTSIDE_MODULO, AccessError, Element, Parameter, ident
@@ -87,8 +87,12 @@ def _header(request: Request) -> bytes:
 # -- The device ------------------------------------------------------------------------------------------------------
 
 
+# Raises ServiceFailed or AccessError while access is not possible.
+Gate = Callable[[Request], None]
+
+
 class Device:
-    """Parameters, the channel to them, and their phase."""
+    """Parameters, the channel to them with a gate before it, and their phase."""
 
     def __init__(self, parameters: Iterable[Parameter], modulo: dict[str, str] | None = None) -> None:
         """Switch it on in no phase; its owner sets one through `phases`.
@@ -98,6 +102,7 @@ class Device:
         self.parameters = {ident(parameter.ident): parameter for parameter in parameters}
         self.channel = Channel()
         self.phases: Phases
+        self.gate: Gate = lambda request: None
         self._modulo = modulo or {}
 
     def join(self, phases: Phases) -> None:

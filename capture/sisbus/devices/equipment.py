@@ -8,16 +8,13 @@ from functools import partial
 from typing import NamedTuple
 
 from sisbus.devices import parameter_sets
-from sisbus.devices.device import Device
+from sisbus.devices.device import Device, Gate
 from sisbus.devices.drive import Drive, IndraDrive
 from sisbus.devices.parameter_sets import changed
 from sisbus.devices.parameters import AccessError, Element
 from sisbus.devices.phases import MASTER_AXIS_TURNS, OPERATING_MODE, Phases
 from sisbus.service import ChannelError, Request, ServiceFailed
 from sisbus.table import Misread, Table, flag, whole
-
-# Raises ServiceFailed or AccessError while access is not possible.
-Gate = Callable[[Request], None]
 
 _CHANNEL_NOT_OPEN = 0x0001
 _CHANNEL_BUSY = 0x8001
@@ -86,12 +83,12 @@ INDRADRIVE = DriveModel(IndraDrive, ("drive", "indradrive"))
 
 
 class Equipment:
-    """Devices by their addresses, each with its gate, and their common phase."""
+    """Devices by their addresses, and their common phase."""
 
     def __init__(self, table: Table) -> None:
         """Take the phase from the table. May raise ValueError."""
         self.drives: list[Drive] = []
-        self.by_address: dict[int, tuple[Device, Gate]] = {}
+        self.by_address: dict[int, Device] = {}
         self._turning = False
         self.phases = Phases(
             table.take("phase", whole(0, OPERATING_MODE), OPERATING_MODE), _SWITCHING_MS, self._against
@@ -105,8 +102,8 @@ class Equipment:
         equipment = cls(table)
         made = _made(table, *model.sets)
         drive = model.made(made.parameters, f"{seed} drive {address}", made.modulo, tmas_ms)
-        for own in {address, _OWN}:
-            equipment.by_address[own] = (drive, to_drive(drive))
+        drive.gate = to_drive(drive)
+        equipment.by_address |= {address: drive, _OWN: drive}
         drive.join(equipment.phases)
         equipment.drives.append(drive)
         return equipment
@@ -118,7 +115,8 @@ class Equipment:
         equipment._turning = table.take("turning", flag, False)
         own = Device(_made(table, "control").parameters)
         own.join(equipment.phases)
-        equipment.by_address[_OWN] = (own, to_control(refuses_elements=synax))
+        own.gate = to_control(refuses_elements=synax)
+        equipment.by_address[_OWN] = own
         add = partial(equipment._add, seed=f"{seed} drive {address}", synax=synax)
         table.each("devices", f"{table.where}, device", add)
         return equipment
@@ -126,7 +124,7 @@ class Equipment:
     def restart(self) -> None:
         """Switch all of them off and on."""
         self.phases.restart()
-        for device, _ in self.by_address.values():
+        for device in self.by_address.values():
             device.restart()
 
     def _add(self, table: Table, seed: str, synax: bool) -> None:
@@ -135,8 +133,8 @@ class Equipment:
             raise Misread(f"{table.where}: address = {address} is taken: use another")
         made = _made(table, "drive", "axis")
         drive = Drive(made.parameters, f"{seed}.{address}", made.modulo)
-        off = table.take("off", flag, False)
-        self.by_address[address] = (drive, through_control(drive, off, initialization_mode=synax))
+        drive.gate = through_control(drive, table.take("off", flag, False), initialization_mode=synax)
+        self.by_address[address] = drive
         drive.join(self.phases)
         self.drives.append(drive)
 

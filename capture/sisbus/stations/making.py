@@ -88,7 +88,7 @@ def _station(table: Table, seed: int) -> Station:
         refuse=table.take("refuse", _refuse, _NOTHING),
         available=lambda service: service in _LOADER_SERVICES or not flash.in_loader,
         error=lambda: flash.error or any(drive.error is not None for drive in equipment.drives),
-        terminal=Terminal(address, equipment.by_address[address][0]) if kind.model else None,
+        terminal=Terminal(address, equipment.by_address[address]) if kind.model else None,
         behind=_level(table.take("behind", tables(f"{table.where}, behind"), []), seed),
     )
     if edition.lists:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from sisbus.devices.device import HEADER, SEGMENT, Device, Transfer
-from sisbus.devices.equipment import Gate
 from sisbus.devices.parameters import (
     LAST,
     TOO_LONG,
@@ -60,7 +59,7 @@ OF_DRIVES = Segments(unit=2, in_pieces=True)
 class Parameters:
     """The parameters of all devices of a station."""
 
-    def __init__(self, devices: Mapping[int, tuple[Device, Gate]], edition: Edition) -> None:
+    def __init__(self, devices: Mapping[int, Device], edition: Edition) -> None:
         self._devices = devices
         self._longest = edition.longest
         self._channel_status = edition.channel_status
@@ -79,9 +78,9 @@ class Parameters:
         such device.
         """
         if device is not None:
-            self._device(device)[0].channel.cancel(service)
+            self._device(device).channel.cancel(service)
             return
-        for each, _ in self._devices.values():
+        for each in self._devices.values():
             each.channel.cancel(service)
 
     def _read(self, request: Request) -> bytes:
@@ -136,11 +135,11 @@ class Parameters:
         return request.body[:2]
 
     def _enter(self, request: Request) -> tuple[Device, Element, Transfer | None]:
-        device, gate = self._device(request.body[1])
-        gate(request)
+        device = self._device(request.body[1])
+        device.gate(request)
         return device, Element(request.body[0] >> 3 & 7), device.channel.enter(request)
 
-    def _device(self, address: int) -> tuple[Device, Gate]:
+    def _device(self, address: int) -> Device:
         if address not in self._devices:
             raise ServiceRefused(Status.INVALID_ADDRESS)
         return self._devices[address]
