@@ -44,7 +44,8 @@ may use, never a room of a storey above; tests/test_rooms.py watches:
 A capture needs the first six rooms alone: other readers, and the text of a live capture, are imported where they are
 asked for. The rooms with "all above" are products: no product uses another. A character flows
 from a reader through framer and assembler to a writer, and never back. On that way, nothing behind the reader knows
-what a serial port is.
+what a serial port is. The virtual bus is a package of its own, sisbus: extcap, install, web and library use
+`sisbus.library`, and nothing else of it.
 """
 
 from __future__ import annotations

@@ -103,7 +103,7 @@ class Port(Protocol):
 
 
 class Answer(NamedTuple):
-    """A reaction, its time, and the rate of the line then."""
+    """A reaction and its time."""
 
     time_ns: int
     reaction: bytes
