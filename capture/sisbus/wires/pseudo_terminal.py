@@ -31,6 +31,8 @@ _RATES = {getattr(termios, f"B{baud}"): baud for baud in RATES}
 class _Terminal:
     """A pty, raw: nothing is echoed or translated, even before somebody configures it. May raise OSError."""
 
+    name: str
+
     def __init__(self, baud: int, noise: str) -> None:
         self._ours, self._theirs = os.openpty()
         self.name = os.ttyname(self._theirs)
