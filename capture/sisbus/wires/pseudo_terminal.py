@@ -55,7 +55,7 @@ class _Terminal:
         """Return what is heard of a character at another rate; parity is unknown."""
         return value if line.baud == baud else hear(value, line, line._replace(baud=baud), self._noise)[0]
 
-    def _try_to_write(self, value: int) -> bool:
+    def _write(self, value: int) -> bool:
         try:
             return os.write(self._ours, bytes([value])) == 1
         except BlockingIOError:
@@ -94,7 +94,7 @@ class PseudoTerminal(_Terminal):
                 continue
             self._was_open = True
             heard = self._heard(character.value, played.settings, self._rate(played.settings.baud))
-            overrun += not self._try_to_write(heard)
+            overrun += not self._write(heard)
         return [f"{name}={count}" for name, count in (("overrun", overrun), ("unheard", unheard)) if count]
 
     def close(self) -> None:
@@ -163,7 +163,7 @@ class PseudoTerminalPort(_Terminal):
         begun = time.monotonic()
         for place, value in enumerate(data, start=1):
             time.sleep(max(0.0, begun + place * self.settings.character_ns / 1e9 - time.monotonic()))
-            if not self._try_to_write(self._heard(value, self.settings, self._rate(self.settings.baud))):
+            if not self._write(self._heard(value, self.settings, self._rate(self.settings.baud))):
                 return
 
     def drain(self) -> None:
