@@ -16,5 +16,5 @@ Each room says in its own first lines what is in it. A room knows only those abo
 A telegram flows forward: a step of a scenario makes a command, conducting brings it onto a line, the stations there
 react, each character gets its time, and a wire brings it to whoever listens.
 
-Of sistap it uses the tap, and replay also how captures are read.
+Of sistap it uses the tap and what attributes of parameters say; replay also uses how captures are read.
 """

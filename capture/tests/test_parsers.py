@@ -26,6 +26,7 @@ from sistap.commands.imports.usb_transfers import Setup
 from sistap.commands.parameters import backup
 from sistap.dissected.captures import reading
 from sistap.dissected.telegrams import values
+from sistap.dissected.telegrams.attribute import Attribute
 from sistap.dissected.wireshark import rows
 from sistap.tap.files import pcapng
 from sistap.tap.files.pcapng import Interface
@@ -34,7 +35,6 @@ from sistap.tap.records import record
 from sistap.tap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.tap.records.record import Record, Type
 from sistap.tap.sis import telegram
-from sistap.tap.sis.attribute import Attribute
 from sistap.tap.sis.initialization import Follow
 from sistap.tap.sis.told import Told
 from sistap.tap.terminal.exits import UsageError

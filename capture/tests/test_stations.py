@@ -21,7 +21,7 @@ from sisbus.stations import making
 from sisbus.stations.flash import module
 from sisbus.stations.making import make
 from sisbus.stations.station import Station
-from sistap.tap.sis.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
+from sistap.dissected.telegrams.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
 from sistap.tap.sis.codes import LAYOUTS, Item, Layout
 from sistap.tap.sis.telegram import build, parse
 

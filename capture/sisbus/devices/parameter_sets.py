@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from sisbus.devices.parameters import Parameter, Procedure, as_list, ident
 from sisbus.table import WORD, Misread, Reading, Table, ascii_text, choice, flag, whole
-from sistap.tap.sis.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
+from sistap.dissected.telegrams.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
 from sistap.tap.sis.names import S_NAMES
 
 Rows = Mapping[str, Mapping[str, object]]

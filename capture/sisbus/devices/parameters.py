@@ -11,7 +11,7 @@ import re
 import struct
 from dataclasses import dataclass
 
-from sistap.tap.sis.attribute import LENGTH_WORDS, READ_ONLY, Attribute, Format
+from sistap.dissected.telegrams.attribute import LENGTH_WORDS, READ_ONLY, Attribute, Format
 
 SET, ENABLED = 0x1, 0x2  # bits of the written value, and of the data status
 _NOT_YET_EXECUTED, _NOT_POSSIBLE = 0x4, 0x8

@@ -11,7 +11,7 @@ from sisbus.playing.conducting import Wait
 from sisbus.procedure3964 import rk512
 from sisbus.procedure3964.partner import MS, Partner
 from sisbus.procedure3964.rk512 import HEAD_SIZE, Command, Error, Head, Reaction
-from sistap.tap.sis.attribute import LENGTH_WORDS
+from sistap.dissected.telegrams.attribute import LENGTH_WORDS
 
 REACTION_NS = 5000 * MS  # longest wait for a reaction at 1200 to 19200 Bd
 

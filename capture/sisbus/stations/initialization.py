@@ -8,14 +8,8 @@ from typing import NamedTuple
 
 from sisbus.service import Request, Service, ServiceFailed, ServiceRefused, Status, Subservice
 from sistap.tap.sis import initialization
-from sistap.tap.sis.initialization import Misfit, Setting
+from sistap.tap.sis.initialization import Setting
 from sistap.tap.sis.rates import RATES, rate_of
-
-_STATUS = {
-    Misfit.ADDRESS: Status.INVALID_ADDRESS,
-    Misfit.SUBSERVICE: Status.INVALID_SUBSERVICE,
-    Misfit.DATA: Status.DATA_MISSING,
-}
 
 
 def settings(body: bytes) -> list[Setting]:
@@ -27,7 +21,7 @@ def settings(body: bytes) -> list[Setting]:
     if (found := initialization.settings(body)) is not None:
         return found
     furthest = max(initialization.layouts(body), key=lambda layout: layout.end)
-    raise ServiceRefused(_STATUS[furthest.misfit] if furthest.misfit else Status.INVALID_TELEGRAM)
+    raise ServiceRefused(furthest.misfit or Status.INVALID_TELEGRAM)
 
 
 _MS = 1_000_000

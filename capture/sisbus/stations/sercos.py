@@ -17,7 +17,7 @@ from sisbus.devices.parameters import (
 )
 from sisbus.service import Request, Service, ServiceFailed, ServiceRefused, Status
 from sisbus.stations.station import Edition
-from sistap.tap.sis.attribute import LENGTH_WORDS
+from sistap.dissected.telegrams.attribute import LENGTH_WORDS
 
 _LONGEST = 0xFFFF + 4  # bytes that the lengths of a list can describe
 

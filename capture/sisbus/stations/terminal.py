@@ -13,7 +13,7 @@ from decimal import Decimal, InvalidOperation
 
 from sisbus.devices.device import Device
 from sisbus.devices.parameters import AccessError, Element, Parameter, as_list, ident
-from sistap.tap.sis.attribute import LENGTH_WORDS, Format
+from sistap.dissected.telegrams.attribute import LENGTH_WORDS, Format
 
 _CR, _LF = 0x0D, 0x0A
 _LONGEST = 255  # characters of a line

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from sistap.dissected.telegrams.attribute import Attribute
 from sistap.dissected.telegrams.values import Value, value
 from sistap.tap.records.before import heard
 from sistap.tap.records.record import Record as BareRecord
-from sistap.tap.sis.attribute import Attribute
 from sistap.tap.sis.names import S_NAMES
 from sistap.tap.sis.telegram import Header, general, has_control, is_whole, parse, service_name, shown, status
 from sistap.tap.sis.told import ATTRIBUTE, NAME, UNIT, Place, Told

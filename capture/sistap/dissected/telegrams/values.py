@@ -11,7 +11,7 @@ from datetime import UTC, datetime, timedelta
 from decimal import Decimal
 from functools import lru_cache
 
-from sistap.tap.sis.attribute import LENGTH_WORDS, Attribute, Format
+from sistap.dissected.telegrams.attribute import LENGTH_WORDS, Attribute, Format
 
 _KINDS = {"S": 0, "P": 0x8000}
 _DECIMAL = re.compile(r"[+-]?(\d{1,40}(\.\d{1,40})?|\.\d{1,40})", re.ASCII)  # some backups write .80
