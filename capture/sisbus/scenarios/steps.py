@@ -86,8 +86,8 @@ def _number(value: object) -> int | None:
 
 def script(steps: Sequence[Step], master: Master) -> Script:
     """Play steps one after the other."""
-    for each_step in steps:
-        yield from each_step(master)
+    for play in steps:
+        yield from play(master)
 
 
 def step(table: Table) -> Step:
@@ -116,10 +116,10 @@ def _list(table: Table) -> Step:
 
 
 def _to(address: Address, body: Body) -> Step:
-    return _each(lambda master: [address.command(master, body)])
+    return _says(lambda master: [address.command(master, body)])
 
 
-def _each(actions: Callable[[Master], Iterable[Action]]) -> Step:
+def _says(actions: Callable[[Master], Iterable[Action]]) -> Step:
     """Return a step of actions that do not depend on what is answered."""
 
     def play(master: Master) -> Script:
@@ -131,13 +131,13 @@ def _each(actions: Callable[[Master], Iterable[Action]]) -> Step:
 
 def _raw(table: Table) -> Step:
     sent = Raw(table.need("raw", octets))
-    return _each(lambda _: [sent])
+    return _says(lambda _: [sent])
 
 
 def _type(table: Table) -> Step:
     """Type lines of the ASCII protocol, each with CR LF, as known clients do."""
     lines = [Typed(f"{line}\r\n".encode("ascii")) for line in table.need("type", several(ascii_text()))]
-    return _each(lambda _: lines)
+    return _says(lambda _: lines)
 
 
 # -- Steps of several telegrams -------------------------------------------------------------------------------------
@@ -224,12 +224,12 @@ def _body_of(reaction: bytes | None) -> bytes:
 
 def _wait(table: Table) -> Step:
     wait = Wait(table.need("wait_ms", milliseconds))
-    return _each(lambda _: [wait])
+    return _says(lambda _: [wait])
 
 
 def _until(table: Table) -> Step:
     time_ns = table.need("at_ms", milliseconds)
-    return _each(lambda master: [Wait(max(0, time_ns - master.line.now_ns))])
+    return _says(lambda master: [Wait(max(0, time_ns - master.line.now_ns))])
 
 
 def _repeat(table: Table) -> Step:
@@ -285,7 +285,7 @@ def _test_rate(table: Table) -> Step:
 def _token(table: Table) -> Step:
     receiver = table.need("token", STATION)
     # The specification reserves the service without contents, so it has none.
-    return _each(lambda master: [Token(receiver, build(0x0F, master.address, receiver))])
+    return _says(lambda master: [Token(receiver, build(0x0F, master.address, receiver))])
 
 
 def _demo(table: Table) -> Step:
