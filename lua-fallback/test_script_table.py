@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import parity
-from sistap.commands.bus.devices.parameters import ident
+from sisbus.devices.parameters import ident
 from sistap.commands.parameters import user_table
 from sistap.commands.parameters.backup import Saved, drives
 from sistap.dissected.wireshark.tshark import Tshark

@@ -32,7 +32,7 @@ from lesson import (
     recording,
 )
 from make import Scenario
-from sistap.commands.bus.scenarios.scenario import names
+from sisbus.scenarios.scenario import names
 from sistap.dissected.wireshark.tshark import Tshark
 from tables import BOOLEANS
 

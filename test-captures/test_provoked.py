@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from sistap.commands.bus.stations.making import make
+from sisbus.stations.making import make
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files import pcapng
 from sistap.tap.sis.telegram import build, parse

@@ -16,8 +16,8 @@ from threading import Thread
 import pytest
 
 from adapter import EXCEEDED, OK, UNRESOLVED, Adapter, seen
-from sistap.commands.bus.playing.characters import Faults
-from sistap.commands.bus.scenarios.scenario import DEFAULT, Playing, load
+from sisbus.playing.characters import Faults
+from sisbus.scenarios.scenario import DEFAULT, Playing, load
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.wire import protocol

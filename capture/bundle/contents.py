@@ -161,7 +161,8 @@ def make_folder(bundle: Path, python: Path, wheels: Path) -> None:
         library.rename(bundle / "python" / library.name)
     (dll,) = (file for file in (bundle / "python").glob("python3*.dll") if file.stem != "python3")
     put(bundle / f"python/{dll.stem}._pth", PATH.encode())
-    put_tree(CAPTURE / "sistap", bundle / "app/sistap", modules(CAPTURE / "sistap"))
+    for package in ("sistap", "sisbus"):
+        put_tree(CAPTURE, bundle / "app", modules(CAPTURE / package))
     put_tree(wheels / "serial", bundle / "app/serial", modules(wheels / "serial"))
     for source, name in FILES.items():
         put(bundle / name, (CHECKOUT / source).read_bytes())

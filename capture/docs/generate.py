@@ -20,8 +20,8 @@ sys.path[:0] = [str(HOUSE / "capture"), str(HOUSE / "test-captures")]
 
 import poster  # noqa: E402 - of the checkout
 import wiring  # noqa: E402
+from sisbus.scenarios import scenario  # noqa: E402
 from sistap import cli  # noqa: E402
-from sistap.commands.bus.scenarios import scenario  # noqa: E402
 from sistap.commands.extcap import dialog  # noqa: E402
 from sistap.dissected.episodes.rules import RULES, SUBJECTS, Severity  # noqa: E402
 from sistap.tap.line.drivers import DRIVERS  # noqa: E402

@@ -36,12 +36,12 @@ CHAPTERS = {
     " plugin/docs/exchanges plugin/docs/synax200 plugin/docs/synax200-objects plugin/docs/record"
     " lua-fallback/README lua-fallback/page/README",
     "Reference": "plugin/REFERENCE capture/docs/commands capture/docs/commands/*"
-    " capture/sistap/commands/bus/scenarios/README capture/sistap/commands/bus/devices/sets/README"
+    " capture/sisbus/scenarios/README capture/sisbus/devices/sets/README"
     " capture/docs/library",
     "Learn": "test-captures/README test-captures/course/*",
     "Change it": "CONTRIBUTING SECURITY CHANGELOG */DEVELOP */FILES capture/benchmark/README capture/bundle/README"
-    " capture/drivers/README capture/launcher/README capture/windows/README capture/tests/real-captures/README"
-    " test-captures/fuzz/README test-captures/pages/README",
+    " capture/drivers/README capture/launcher/README capture/sisbus/README capture/windows/README"
+    " capture/tests/real-captures/README test-captures/fuzz/README test-captures/pages/README",
 }
 
 

@@ -26,7 +26,6 @@ may use, never a room of a storey above; tests/test_rooms.py watches:
     dissected/explain     files, wireshark            what tshark says of records, also while they come
     commands/recorder     capture, episodes, explain  `sistap record`: what matters, in files of its own
     commands/serve        capture, wire               `sistap serve`: a line of this computer, heard at others
-    commands/bus          captures, wire              `sistap bus` and `replay`: a bus in software
     commands/beside       captures, wireshark, draw   two captures of the same traffic compared
     commands/selftest     analyser, beside            `sistap selftest`
     commands/doctor       analyser, capture, explain  `sistap doctor`
@@ -45,7 +44,8 @@ may use, never a room of a storey above; tests/test_rooms.py watches:
 A capture needs the first six rooms alone: other readers, and the text of a live capture, are imported where they are
 asked for. The rooms with "all above" are products: no product uses another. A character flows
 from a reader through framer and assembler to a writer, and never back. On that way, nothing behind the reader knows
-what a serial port is.
+what a serial port is. The virtual bus is a package of its own, sisbus: extcap, install, web and library use
+`sisbus.library`, and nothing else of it.
 """
 
 from __future__ import annotations

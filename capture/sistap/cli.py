@@ -47,9 +47,9 @@ COMMANDS = {
     "doctor": ("sistap.commands.doctor", "check whether a capture would work, and what is missing"),
     "selftest": ("sistap.commands.selftest", "measure how exact the times of this computer are"),
     "extcap": ("sistap.commands.extcap.command", "serve as an interface of Wireshark; only Wireshark calls this"),
-    "bus": ("sistap.commands.bus.command", "simulate a bus, to try everything without a drive"),
+    "bus": ("sisbus.command", "simulate a bus, to try everything without a drive"),
     "help": ("sistap.commands.web.help", "open the handbook in a browser"),
-    "replay": ("sistap.commands.bus.replay", "play a capture again with its original timing"),
+    "replay": ("sisbus.replay", "play a capture again with its original timing"),
 }
 
 DESCRIPTION = """\

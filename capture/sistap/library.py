@@ -50,8 +50,8 @@ from sistap.tap.sis.rates import RATES
 from sistap.tap.terminal.exits import Error, UsageError
 
 if TYPE_CHECKING:
+    from sisbus.library import Live
     from sistap.commands.annotate.sources import SourceError
-    from sistap.commands.bus.scenarios.scenario import Scenario
     from sistap.dissected.packets.dissection import Packet
     from sistap.dissected.wireshark.tshark import TsharkError
 
@@ -420,32 +420,22 @@ def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator
 @_naming
 def play(name: str, *, duration_s: float, seed: int = 1) -> Iterator[Record]:
     """Yield what a tap records of a scenario (`sistap bus --list`, or FILE.toml). ValueError for an unknown one."""
-    from sistap.commands.bus.scenarios import scenario
+    from sisbus.library import Live
 
     _check("duration_s", duration_s, int | float, "a number of seconds")
     _check("seed", seed, int, "a whole number")
     _seconds("duration_s", duration_s)
-    return _played(scenario.load(_path("name", name)), name, duration_s, seed)
-
-
-def _played(played: Scenario, name: str, duration_s: float, seed: int) -> Iterator[Record]:
-    from sistap.commands.bus.scenarios.scenario import Playing
-    from sistap.commands.bus.wires.recording import Recording
-
     records: deque[BareRecord] = deque()
+    live = Live(_path("name", name), seed, Stream(), records.append, duration_s * 1e9)
+    records.extend(live.tap.started)
+    return _played(live, records)
 
-    class Played(Recording):
-        """What a tap of the virtual bus writes, as records."""
 
-        def _write(self, record: BareRecord) -> None:
-            records.append(record)
-
-    tap = Played(Stream(), played.settings, f"scenario {name}, seed {seed}", seed, 1, played.cut, played.lines)
-    records.extend(tap.started)
+def _played(live: Live, records: deque[BareRecord]) -> Iterator[Record]:
     interpreter = Interpreter()
-    for sent in played.play(played.settings, Playing(seed, end_ns=duration_s * 1e9)):
-        tap.deliver(sent)
+    while not live.is_over:
+        live.play_next()
         while records:
             yield interpreter.take(records.popleft())
-    tap.close()
+    live.tap.close()
     yield from map(interpreter.take, records)

@@ -9,9 +9,10 @@ from __future__ import annotations
 import os
 import sys
 
-from sistap.commands.bus.stations.making import make
-from sistap.commands.bus.wires.answering import BusTime, serve
-from sistap.commands.bus.wires.pseudo_terminal import PseudoTerminalPort
+from sisbus.stations.making import make
+from sisbus.wires.answering import serve
+from sisbus.wires.pseudo_terminal import PseudoTerminalPort
+from sisbus.wires.wire import Pace
 from sistap.tap.line.settings import LineSettings
 
 STATIONS: list[dict[str, object]] = [
@@ -20,7 +21,7 @@ STATIONS: list[dict[str, object]] = [
 ]
 
 
-class FastTime(BusTime):
+class FastTime(Pace):
     """Time that goes faster than a clock."""
 
     def __init__(self, speed: int) -> None:
@@ -30,8 +31,8 @@ class FastTime(BusTime):
     def now_ns(self) -> int:
         return super().now_ns() * self._speed
 
-    def until_s(self, time_ns: int) -> float:
-        return super().until_s(time_ns) / self._speed
+    def left_s(self, time_ns: int) -> float:
+        return super().left_s(time_ns) / self._speed
 
 
 class FastPort(PseudoTerminalPort):

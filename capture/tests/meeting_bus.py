@@ -17,11 +17,11 @@ from typing import IO
 
 from answering_bus import FastPort, FastTime
 
-from sistap.commands.bus.procedure3964 import rk512
-from sistap.commands.bus.procedure3964.controls import S5, Memory, Ppc, Script
-from sistap.commands.bus.procedure3964.partner import Partner
-from sistap.commands.bus.procedure3964.rk512 import Head
-from sistap.commands.bus.wires.answering import meet
+from sisbus.procedure3964 import rk512
+from sisbus.procedure3964.controls import S5, Memory, Ppc, Script
+from sisbus.procedure3964.partner import Partner
+from sisbus.procedure3964.rk512 import Head
+from sisbus.wires.answering import meet
 from sistap.tap.line.settings import LineSettings
 
 # S-0-0237 of each axis; with the characters that have a meaning in the procedure.

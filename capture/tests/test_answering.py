@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.commands.bus.stations.making import make
-from sistap.commands.bus.wires.answering import Answering, BusTime, serve
-from sistap.commands.bus.wires.receiver import Receiver
+from sisbus.stations.making import make
+from sisbus.wires.answering import Answering, serve
+from sisbus.wires.receiver import Receiver
+from sisbus.wires.wire import Pace
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.sis.telegram import build, checksum_good
 
@@ -193,7 +194,7 @@ class Over(Exception):
     """The script has ended."""
 
 
-class Script(BusTime):
+class Script(Pace):
     """A port and the time: characters arrive by a script; the events are logged."""
 
     def __init__(self, *arrivals: tuple[float, bytes]) -> None:
@@ -206,7 +207,7 @@ class Script(BusTime):
     def now_ns(self) -> int:
         return self._now_ns
 
-    def until_s(self, time_ns: int) -> float:
+    def left_s(self, time_ns: int) -> float:
         return max(0, time_ns - self._now_ns) / 1e9
 
     def wait_until(self, time_ns: int) -> None:

@@ -15,7 +15,8 @@ from commands import refused, run
 from portable import fifos
 
 from sistap.commands.parameters.backup import Damaged, drives
-from sistap.dissected.telegrams.values import Attribute, decoded, encoded, same
+from sistap.dissected.telegrams.attribute import Attribute
+from sistap.dissected.telegrams.values import decoded, encoded, same
 
 PAR = Path(__file__).parent / "drive.par"
 CAPTURE = PAR.parents[2] / "test-captures" / "accesses.pcapng"

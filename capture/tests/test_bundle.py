@@ -75,9 +75,9 @@ def test_the_profile_has_what_every_wireshark_imports(made: Path) -> None:
 
 def test_the_bundle_runs_by_itself(made: Path) -> None:
     folder = made / contents.NAME
-    package = {str(file.relative_to(contents.CAPTURE)) for file in contents.modules(contents.CAPTURE / "sistap")}
+    modules = [file for name in ("sistap", "sisbus") for file in contents.modules(contents.CAPTURE / name)]
     names = {file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()}
-    assert {f"app/{name}" for name in package} <= names
+    assert {f"app/{file.relative_to(contents.CAPTURE).as_posix()}" for file in modules} <= names
     python = {name.removeprefix("python/") for name in names if name.startswith("python/")}
     assert python == set(USED)
     assert set(OURS.split()) <= names

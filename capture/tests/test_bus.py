@@ -26,20 +26,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from portable import WINDOWS, posix, signals, sockets, terminals
 
-from sistap.commands.bus.playing.characters import NO_FAULTS, Character, Faults, Played, hear, reads, uncertainty
-from sistap.commands.bus.playing.player import Times
-from sistap.commands.bus.scenarios.demo import commands, read_parameter
-from sistap.commands.bus.scenarios.scenario import DEFAULT, Playing, load
-from sistap.commands.bus.wires import taps as wires
-from sistap.commands.bus.wires.taps import Taps
-from sistap.commands.bus.wires.wire import Pace
+from sisbus.playing.characters import NO_FAULTS, Character, Faults, Played, hear, reads, uncertainty
+from sisbus.playing.player import Times
+from sisbus.scenarios.demo import commands, read_parameter
+from sisbus.scenarios.scenario import DEFAULT, Playing, load
+from sisbus.wires import taps as wires
+from sisbus.wires.taps import Taps
+from sisbus.wires.wire import Pace
 from sistap.tap.line.settings import Flag, LineSettings, Read
 from sistap.tap.sis.telegram import build, checksum_good, parse
 from sistap.tap.wire import protocol
 
 if sys.platform != "win32":
-    from sistap.commands.bus.wires import pseudo_terminal
-    from sistap.commands.bus.wires.pseudo_terminal import PseudoTerminal
+    from sisbus.wires import pseudo_terminal
+    from sisbus.wires.pseudo_terminal import PseudoTerminal
 
 BUS = [sys.executable, "-m", "sistap", "bus"]
 TIMEOUT_S = 60

@@ -51,7 +51,7 @@ def test_the_wall_clock_of_windows_is_the_precise_one() -> None:
 
 
 def test_all_of_sistap_has_one_steady_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    from sistap.commands.bus.wires import wire
+    from sisbus.wires import wire
     from sistap.tap import windows
     from sistap.tap.capture import session
     from sistap.tap.line.reader import computer, pyserial, several

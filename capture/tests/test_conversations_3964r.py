@@ -26,8 +26,8 @@ from hypothesis import strategies as st
 from meeting_bus import VALUES, axes, command_of, ppc, s5
 from portable import terminals
 
-from sistap.commands.bus.procedure3964.controls import S5, Ppc
-from sistap.commands.bus.procedure3964.partner import Saying
+from sisbus.procedure3964.controls import S5, Ppc
+from sisbus.procedure3964.partner import Saying
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.cut import PROCEDURE_3964R
 from sistap.tap.records.record import Record

@@ -18,12 +18,12 @@ from pcapng.blocks import InterfaceStatistics
 from test_bus import TIMEOUT_S
 from test_stations import drive
 
-from sistap.commands.bus.playing.characters import NO_FAULTS, Played, reads
-from sistap.commands.bus.playing.conducting import Rate
-from sistap.commands.bus.playing.player import Player
-from sistap.commands.bus.scenarios.demo import read_parameter
-from sistap.commands.bus.wires.taps import Taps
-from sistap.commands.bus.wires.wire import Pace
+from sisbus.playing.characters import NO_FAULTS, Played, reads
+from sisbus.playing.conducting import Rate
+from sisbus.playing.player import Player
+from sisbus.scenarios.demo import read_parameter
+from sisbus.wires.taps import Taps
+from sisbus.wires.wire import Pace
 from sistap.tap.capture import session
 from sistap.tap.files.output import Limits, Output
 from sistap.tap.files.pcapng import Interface

@@ -25,8 +25,8 @@ LONGER = {  # lists to look something up in
     *("CHANGELOG.md", "SECURITY.md", "plugin/REFERENCE.md", "test-captures/pages/glossary.md"),
     *(
         "capture/benchmark/README.md",
-        "capture/sistap/commands/bus/scenarios/README.md",
-        "capture/sistap/commands/bus/devices/sets/README.md",
+        "capture/sisbus/scenarios/README.md",
+        "capture/sisbus/devices/sets/README.md",
     ),
 }
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+import sisbus
 import sistap
 from sistap.commands.install.shell import launcher
 from sistap.dissected.wireshark.tshark import Tshark
@@ -33,7 +34,8 @@ def tshark() -> Iterator[Tshark]:
     """Yield a tshark whose only extcap is sistap, installed where every user may read it."""
     folder = Path(tempfile.mkdtemp(prefix="sistap-extcap-"))
     folder.chmod(0o755)
-    shutil.copytree(Path(sistap.__file__).parent, folder / "package/sistap")
+    for package in (sistap, sisbus):
+        shutil.copytree(package.__path__[0], folder / "package" / package.__name__)
     extcap = folder / "extcap"
     extcap.mkdir()
     file = extcap / "sistap"

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import pytest
 from test_stations import ask, octets, station
 
-from sistap.commands.bus.stations.slave import Station
+from sisbus.stations.station import Station
 
 
 def indradrive(**table: Any) -> Station:

@@ -17,8 +17,8 @@ import pytest
 from logs import LOGS
 from test_import_mutants import PIECES, damaged_bytes
 
+from sisbus import scenarios
 from sistap import cli
-from sistap.commands.bus import scenarios
 from sistap.commands.extcap.toolbar import Toolbar
 from sistap.commands.install.ledger import Ledger, LedgerError
 from sistap.tap.line.settings import Happening, LineSettings, Notice, Read

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from portable import WINDOWS, compiled, posix, unpackaged
 
+import sisbus
 import sistap.tap.terminal.state
 from sistap import cli
 from sistap.commands.install import command, shell, sources, uninstall
@@ -640,8 +641,9 @@ def home() -> Iterator[Path]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder)
         path.chmod(0o755)
-        package = Path(sistap.__file__).parent
-        shutil.copytree(package, path / "checkout/capture/sistap", ignore=shutil.ignore_patterns("__pycache__"))
+        for package in (sistap, sisbus):
+            place = path / "checkout/capture" / package.__name__
+            shutil.copytree(package.__path__[0], place, ignore=shutil.ignore_patterns("__pycache__"))
         (path / "checkout/lua-fallback").mkdir()
         shutil.copy(REPOSITORY / "lua-fallback/sis.lua", path / "checkout/lua-fallback")
         (path / "home").mkdir()

@@ -25,11 +25,11 @@ pytestmark = [
     pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="needs root on Linux"),
 ]
 
-PACKAGE = Path(__file__).parents[1] / "sistap"
-SCRIPT = PACKAGE.parents[1] / "lua-fallback/sis.lua"
+CAPTURE = Path(__file__).parents[1]
+SCRIPT = CAPTURE.parent / "lua-fallback/sis.lua"
 LEDGER = "/var/lib/sistap/installed-for-all.json"
 
-# A folder, the package and sis.lua; then what is to be done. No /dev of this machine is in it: one null device is made.
+# Three folders: one for it, that of the packages, sis.lua. No /dev of this machine is in it: one null device is made.
 MAKE_ROOT = """\
 set -eu
 mount -t tmpfs -o mode=755 none "$1"
@@ -38,7 +38,7 @@ mkdir "$layer" "$1/work" "$root"
 mount -t overlay overlay -o "lowerdir=/,upperdir=$layer,workdir=$1/work" "$root" || exit 77
 [ -c "$root/dev/null" ] || mknod -m 666 "$root/dev/null" c 1 3
 mkdir -p "$root/opt/sistap/tree/capture" "$root/opt/sistap/tree/lua-fallback"
-cp -r "$2" "$root/opt/sistap/tree/capture/sistap"
+cp -r "$2/sistap" "$2/sisbus" "$root/opt/sistap/tree/capture/"
 cp "$3" "$root/opt/sistap/tree/lua-fallback/"
 chown -R root:root "$root/opt/sistap"
 chmod -R go-w "$root/opt/sistap"
@@ -67,7 +67,7 @@ class Root:
 
     def run(self, script: str) -> dict[str, list[str]]:
         """Return the lines after each heading (`-- install`), in the order in which they came."""
-        folder = [str(path) for path in (self._folder, PACKAGE, SCRIPT)]
+        folder = [str(path) for path in (self._folder, CAPTURE, SCRIPT)]
         done = subprocess.run(
             ["unshare", "--mount", "sh", "-c", MAKE_ROOT + script, "sh", *folder],
             capture_output=True,

@@ -11,9 +11,9 @@ from portable import terminals
 from test_answering import LINE, MS, READ_PHASE, Over, Script
 from test_bus import BUS, TIMEOUT_S, logged, octets, running
 
-from sistap.commands.bus.stations.making import make
-from sistap.commands.bus.wires.answering import Noting, serve
-from sistap.commands.bus.wires.wire import Log
+from sisbus.stations.making import make
+from sisbus.wires.answering import Noting, serve
+from sisbus.wires.wire import Log
 from sistap.tap.sis.telegram import build
 
 PHASE_4 = octets("02 C1 02 02 10 12 10 03 00 04")  # checksum by hand: the other bytes add up to 3F

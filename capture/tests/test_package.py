@@ -38,9 +38,14 @@ def files(folder: Path) -> set[str]:
     return {str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file()}
 
 
+def python(capture: Path) -> set[str]:
+    """Return what a package has of a checkout: both packages, and the script."""
+    return {name for name in files(capture) if name.startswith(("sistap/", "sisbus/"))} | {"sistap/sis.lua"}
+
+
 def test_a_package_has_everything(checkout: Path) -> None:
     setup(checkout / "capture", "build_py", "--build-lib", "../package")
-    assert files(checkout / "package/sistap") == files(checkout / "capture/sistap") | {"sis.lua"}
+    assert files(checkout / "package") == python(checkout / "capture")
     script = checkout / "package/sistap/sis.lua"
     assert script.read_bytes() == (checkout / "lua-fallback/sis.lua").read_bytes()
 
@@ -51,7 +56,7 @@ def test_a_source_distribution_has_everything(checkout: Path) -> None:
     shutil.unpack_archive(next((checkout / "dist").iterdir()), checkout / "dist")
     unpacked = next(folder for folder in (checkout / "dist").iterdir() if folder.is_dir())
     setup(unpacked, "build_py", "--build-lib", "../../package")
-    assert files(checkout / "package/sistap") == files(checkout / "capture/sistap") | {"sis.lua"}
+    assert files(checkout / "package") == python(checkout / "capture")
 
 
 def test_metadata(checkout: Path) -> None:

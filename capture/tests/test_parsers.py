@@ -26,6 +26,7 @@ from sistap.commands.imports.usb_transfers import Setup
 from sistap.commands.parameters import backup
 from sistap.dissected.captures import reading
 from sistap.dissected.telegrams import values
+from sistap.dissected.telegrams.attribute import Attribute
 from sistap.dissected.wireshark import rows
 from sistap.tap.files import pcapng
 from sistap.tap.files.pcapng import Interface
@@ -102,7 +103,7 @@ def test_backups_of_drives(tmp_path_factory: pytest.TempPathFactory, data: bytes
 @given(st.integers(0, (1 << 32) - 1), st.text("0123456789.-+eExXabSPinf \n", max_size=50))
 def test_values_of_backups(bits: int, text: str) -> None:
     with suppress(values.Unreadable):
-        values.encoded(values.Attribute(bits), text)
+        values.encoded(Attribute(bits), text)
 
 
 @given(bytes_like(RECORD))

@@ -11,15 +11,15 @@ from pathlib import Path
 
 import pytest
 
+from sisbus.playing.characters import Played
+from sisbus.procedure3964 import rk512
+from sisbus.procedure3964.controls import Memory
+from sisbus.procedure3964.partner import MS, Occasion, Partner, Saying, Trouble, packed
+from sisbus.procedure3964.procedure import _KINDS, _STEPS
+from sisbus.procedure3964.rk512 import Error, Head
+from sisbus.scenarios import scenario
+from sisbus.scenarios.scenario import Playing, load
 from sistap import cli
-from sistap.commands.bus.playing.characters import Played
-from sistap.commands.bus.procedure3964 import rk512
-from sistap.commands.bus.procedure3964.controls import Memory
-from sistap.commands.bus.procedure3964.partner import MS, Occasion, Partner, Saying, Trouble, packed
-from sistap.commands.bus.procedure3964.procedure import _KINDS, _STEPS
-from sistap.commands.bus.procedure3964.rk512 import Error, Head
-from sistap.commands.bus.scenarios import scenario
-from sistap.commands.bus.scenarios.scenario import Playing, load
 from sistap.dissected.captures.reading import records
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import Framing, Record, Type

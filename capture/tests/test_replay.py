@@ -16,7 +16,7 @@ import pytest
 from portable import posix, terminals
 from test_bus import BUS, TIMEOUT_S, drain, finish, listening_only_if_asked
 
-from sistap.commands.bus.replay import look, played
+from sisbus.replay import look, played
 from sistap.dissected.captures.reading import NotCaptured, records
 from sistap.tap.files import pcapng
 from sistap.tap.line.settings import Flag, LineSettings

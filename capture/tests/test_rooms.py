@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
+import sisbus
 import sistap
-from sistap.commands import bus
 
 pytestmark = pytest.mark.style
 
-PACKAGE, BUS = Path(sistap.__file__).parent, Path(bus.__file__).parent
+PACKAGE, BUS = Path(sistap.__file__).parent, Path(sisbus.__file__).parent
 LATE = PACKAGE / "tap/capture/running.py"  # it imports explain, when text is shown
 TEXT = "sistap.dissected.explain.live.explained"
 STOREYS = ("tap", "dissected", "commands")
@@ -52,7 +52,7 @@ def allowed() -> dict[str, set[str]]:
 ALLOWED = allowed()
 # The storey of each room; none for what is in no storey.
 STOREY = {room.rpartition("/")[2]: room.rpartition("/")[0] for room, *_ in ROWS}
-BUS_ROOMS = [room.rstrip("/") for first, *_ in rows(bus.__doc__) for room in first.split(", ")]
+BUS_ROOMS = [room.rstrip("/") for first, *_ in rows(sisbus.__doc__) for room in first.split(", ")]
 
 
 def imported(tree: ast.AST) -> Iterator[str]:
@@ -99,11 +99,11 @@ def test_no_room_uses_a_storey_above() -> None:
     for room, uses in ALLOWED.items():
         if STOREY.get(room):
             height = STOREYS.index(STOREY[room])
-            assert all(STOREY[used] in STOREYS[: height + 1] for used in uses) or room == "web", room
+            assert room == "web" or all(STOREY[used] in STOREYS[: height + 1] for used in uses), room
 
 
 def test_every_room_says_what_is_in_it() -> None:
-    for room in PACKAGE.rglob("__init__.py"):
+    for room in (*PACKAGE.rglob("__init__.py"), *BUS.rglob("__init__.py")):
         assert ast.get_docstring(ast.parse(room.read_text("utf-8"))), room
 
 
@@ -120,7 +120,21 @@ def test_a_room_of_the_bus_uses_only_those_above_it() -> None:
     for file in BUS.rglob("*.py"):
         room = room_of(file, BUS)
         above = BUS_ROOMS[: BUS_ROOMS.index(room) + 1] if room in BUS_ROOMS else []
-        assert rooms_used(file, "sistap.commands.bus") <= set(above), file
+        assert rooms_used(file, "sisbus") <= set(above), file
+
+
+def test_the_bus_has_one_door() -> None:
+    for file in PACKAGE.rglob("*.py"):
+        names = {name for name in imported(ast.parse(file.read_text("utf-8"))) if name.startswith("sisbus")}
+        assert all(f"{name}.".startswith("sisbus.library.") for name in names), file
+        assert not names or room_of(file, PACKAGE) in ("library", "extcap", "install", "web"), file
+
+
+def test_the_bus_uses_the_tap_attributes_and_for_replay_captures() -> None:
+    for file in BUS.rglob("*.py"):
+        above = {"captures"} if file == BUS / "replay.py" else {"telegrams"}
+        assert rooms_used(file, "sistap") <= rooms_used(file, "sistap.tap") | above, file
+        assert rooms_used(file, "sistap.dissected") <= above, file
 
 
 TAP = ("terminal", "sis", "line", "records", "files", "capture")

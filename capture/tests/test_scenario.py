@@ -19,11 +19,11 @@ from portable import WINDOWS, signals, terminals
 from sharkd import Sharkd
 from test_bus import BUS, TIMEOUT_S, connect, finish, joined, listen, octets, running
 
-from sistap.commands.bus.playing.characters import Played
-from sistap.commands.bus.scenarios import scenario
-from sistap.commands.bus.scenarios.faults import _KINDS
-from sistap.commands.bus.scenarios.scenario import Playing, Scenario, load
-from sistap.commands.bus.scenarios.steps import _STEPS
+from sisbus.playing.characters import Played
+from sisbus.scenarios import scenario
+from sisbus.scenarios.faults import _KINDS
+from sisbus.scenarios.scenario import Playing, Scenario, load
+from sisbus.scenarios.steps import _STEPS
 from sistap.dissected.captures.reading import records
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import Event, Type

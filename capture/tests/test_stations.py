@@ -14,25 +14,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.commands.bus import service
-from sistap.commands.bus.devices.parameter_sets import built_in
-from sistap.commands.bus.devices.parameters import (
-    PARAMETER_MODE_ONLY,
-    READ_ONLY,
-    AccessError,
-    Element,
-    Format,
-    Length,
-    Parameter,
-    attribute,
-    ident,
-    text,
-)
-from sistap.commands.bus.stations import making
-from sistap.commands.bus.stations.flash import module
-from sistap.commands.bus.stations.initialization import Initialization
-from sistap.commands.bus.stations.making import make
-from sistap.commands.bus.stations.slave import Router, Slave, Station
+from sisbus import service
+from sisbus.devices.parameter_sets import PARAMETER_MODE_ONLY, built_in
+from sisbus.devices.parameters import AccessError, Element, Parameter, ident, text
+from sisbus.stations import making
+from sisbus.stations.flash import module
+from sisbus.stations.making import make
+from sisbus.stations.station import Station
+from sistap.dissected.telegrams.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
 from sistap.tap.sis.codes import LAYOUTS, Item, Layout
 from sistap.tap.sis.telegram import build, parse
 
@@ -364,9 +353,9 @@ def test_parameters_are_named_as_in_the_documents() -> None:
 
 def test_attribute_bits() -> None:
     # factor 1; four bytes: 2 << 16; signed: 2 << 20; four decimals: 4 << 24; protected in phases 2 to 4: bits 28 to 30
-    assert attribute(Length.FOUR_BYTES, Format.SIGNED, 4, READ_ONLY) == (0x74220001).to_bytes(4, "little")
-    assert attribute(Length.LIST_OF_BYTES, Format.TEXT) == (0x00440001).to_bytes(4, "little")
-    assert attribute(Length.TWO_BYTES, Format.BINARY, command=True) == (0x00090001).to_bytes(4, "little")
+    assert Attribute.of(4, Format.SIGNED, more=4 << 24 | READ_ONLY).bits == 0x74220001
+    assert Attribute.of(1, Format.TEXT, is_list=True).bits == 0x00440001
+    assert Attribute.of(2, Format.BINARY, more=PROCEDURE_COMMAND).bits == 0x00090001
     assert text("rpm") == octets("03 00 03 00 72 70 6D")
 
 
@@ -421,8 +410,8 @@ def test_wrong_writes_get_the_codes_of_fig_8_48(header: str, data: str, code: st
 
 def test_write_protection() -> None:
     def write(protection: int, phase: int) -> None:
-        bits = attribute(Length.TWO_BYTES, Format.UNSIGNED, 0, protection)
-        Parameter("S-0-0001", "", bits, b"\0\0").write(Element.DATA, b"\1\0", phase)
+        attribute = Attribute.of(2, Format.UNSIGNED, more=protection)
+        Parameter("S-0-0001", "", attribute, b"\0\0").write(Element.DATA, b"\1\0", phase)
 
     with pytest.raises(AccessError) as never:
         write(READ_ONLY, 2)
@@ -737,12 +726,8 @@ def test_each_drive_has_a_channel_of_its_own() -> None:
 # -- Routing (chapter 2.2) ------------------------------------------------------------------------------------------
 
 
-class EndStation:
+class EndStation(Station):
     """Station 8 of fig. 2-12 and 2-13, whose bodies are dummies."""
-
-    address = 8
-    initialization = Initialization()
-    terminal = None
 
     def __init__(self) -> None:
         self.heard: list[bytes] = []
@@ -752,14 +737,10 @@ class EndStation:
         return octets("02 E9 03 03 10 03 02 08 00 01 F1")
 
 
-class Passing:
+class Passing(Station):
     """Notes what passes a station."""
 
-    initialization = Initialization()
-    terminal = None
-
-    def __init__(self, station: Router) -> None:
-        self.address = station.address
+    def __init__(self, station: Station) -> None:
         self.heard: list[bytes] = []
         self.said: list[bytes | None] = []
         self._station = station
@@ -770,10 +751,10 @@ class Passing:
         return self.said[-1]
 
 
-def router(address: int, behind: Station) -> Router:
-    front = drive(address)
-    assert isinstance(front, Slave)
-    return Router(front, [behind])
+def router(address: int, behind: Station) -> Station:
+    router = drive(address)
+    router._behind = [behind]
+    return router
 
 
 def test_routing_as_in_fig_2_10_to_2_15() -> None:
@@ -883,7 +864,7 @@ def test_what_is_wrong_with_a_table_is_said_with_the_cure(table: Mapping[str, An
 
 
 def test_the_example_of_the_readme() -> None:
-    page = resources.files("sistap.commands.bus.devices").joinpath("sets/README.md").read_text("utf-8")
+    page = resources.files("sisbus.devices").joinpath("sets/README.md").read_text("utf-8")
     example = page.split("```toml\n")[1].split("```")[0]
     first, ppc, third = make(tomllib.loads(example)["station"], 1)
     assert ask(first, 0x12) == "00 02"
@@ -895,7 +876,7 @@ def test_the_example_of_the_readme() -> None:
 
 @pytest.mark.parametrize("name", ["drive", "indradrive", "control", "axis"])
 def test_the_keys_of_the_sets_are_in_the_readme(name: str) -> None:
-    page = resources.files("sistap.commands.bus.devices").joinpath("sets/README.md").read_text("utf-8")
+    page = resources.files("sisbus.devices").joinpath("sets/README.md").read_text("utf-8")
     known = set(re.findall(r"`(\w[\w ]*)`", page))
     for row in built_in(name).values():
         assert set(row) <= known

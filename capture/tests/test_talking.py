@@ -16,10 +16,10 @@ import pytest
 from portable import terminals
 from test_bus import BUS, TIMEOUT_S, octets, running
 
-from sistap.commands.bus.playing.characters import Played
-from sistap.commands.bus.playing.conducting import Script, conduct, repeating
-from sistap.commands.bus.playing.player import Times
-from sistap.commands.bus.wires.talking import UNASKED, RealLine
+from sisbus.playing.characters import Played
+from sisbus.playing.conducting import Script, conduct, repeating
+from sisbus.playing.player import Times
+from sisbus.wires.talking import UNASKED, RealLine
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.sis.telegram import build
 

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 import sistap
 from sistap.dissected.packets.dissection import Packet, Telegram
+from sistap.dissected.telegrams.attribute import Attribute
 from sistap.dissected.telegrams.interpreter import Interpreter
-from sistap.dissected.telegrams.values import Attribute, Value, value
+from sistap.dissected.telegrams.values import Value, value
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.records.record import Event, Framing, Record, Type
 from sistap.tap.sis.telegram import build

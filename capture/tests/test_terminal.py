@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sistap.commands.bus.scenarios.scenario import Playing, load
-from sistap.commands.bus.stations.making import make
-from sistap.commands.bus.wires.answering import Answering
+from sisbus.scenarios.scenario import Playing, load
+from sisbus.stations.making import make
+from sisbus.wires.answering import Answering
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.sis.telegram import build
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pcapng as reader
 import pytest
 
+from sisbus.scenarios import scenario
 from sistap.cli import main
-from sistap.commands.bus.scenarios import scenario
 from sistap.commands.web.play import Play
 from sistap.commands.web.window import MOST, Window
 from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface

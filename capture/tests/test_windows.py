@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from sisbus.wires import place, port
 from sistap import cli
-from sistap.commands.bus.wires import place, port
 from sistap.commands.install import shell, userpath
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError, environment
 from sistap.tap.analyser import probe

@@ -40,13 +40,16 @@ async function bundled(entry) {
   return outputFiles[0].text;
 }
 
-// The package sistap as {path: text}.
+// The packages sistap and sisbus as {path: text}.
 function python() {
   const files = {};
-  for (const entry of readdirSync(sistap, { recursive: true, withFileTypes: true })) {
-    const path = join(entry.parentPath, entry.name);
-    if (!entry.isFile() || path.includes("__pycache__") || path.endsWith("sis.lua")) continue;
-    files[relative(join(sistap, ".."), path)] = readFileSync(path, "utf8");
+  const capture = join(sistap, "..");
+  for (const name of ["sistap", "sisbus"]) {
+    for (const entry of readdirSync(join(capture, name), { recursive: true, withFileTypes: true })) {
+      const path = join(entry.parentPath, entry.name);
+      if (!entry.isFile() || path.includes("__pycache__") || path.endsWith("sis.lua")) continue;
+      files[relative(capture, path)] = readFileSync(path, "utf8");
+    }
   }
   return JSON.stringify({ ...files, "rows.lua": source("tap", "rows.lua") });
 }

@@ -25,8 +25,8 @@ from recordings import COMMAND, RECORDINGS
 
 from chromium import Chromium, ChromiumError
 from make import HERE as CAPTURES
+from sisbus.scenarios import scenario
 from sistap.cli import main
-from sistap.commands.bus.scenarios import scenario
 from sistap.commands.web import command
 from sistap.tap.sis.telegram import build
 

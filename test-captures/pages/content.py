@@ -111,7 +111,7 @@ def capture(lesson: Lesson, folder: Path) -> Path:
 
 def _version(lesson: Lesson) -> str:
     """Return a word that changes with the scenario, and with what plays it."""
-    rooms = (CAPTURE / "sistap" / room for room in ("bus", "files", "records", "sis"))
+    rooms = (CAPTURE / room for room in ("sisbus", "sistap/tap/files", "sistap/tap/records", "sistap/tap/sis"))
     sources = [path for room in rooms for path in sorted(room.rglob("*.[pt]*")) if path.suffix in (".py", ".toml")]
     found = sha256(lesson.path.read_bytes())
     for path in [*sources, lesson.path.with_suffix(".toml")]:

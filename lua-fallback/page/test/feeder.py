@@ -13,9 +13,9 @@ import sys
 import time
 from pathlib import Path
 
-from sistap.commands.bus.scenarios.scenario import Playing, load
-from sistap.commands.bus.wires.pseudo_terminal import PseudoTerminal
-from sistap.commands.bus.wires.wire import Pace
+from sisbus.scenarios.scenario import Playing, load
+from sisbus.wires.pseudo_terminal import PseudoTerminal
+from sisbus.wires.wire import Pace
 from sistap.tap.line.settings import LineSettings
 
 CHARACTER = struct.Struct("<BQQ")

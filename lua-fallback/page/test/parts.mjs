@@ -40,9 +40,11 @@ export function startDissector(others = {}) {
 
 export async function startSistap() {
   const files = { "rows.lua": readFileSync(join(here, "src", "tap", "rows.lua"), "utf8") };
-  for (const entry of readdirSync(join(capture, "sistap"), { recursive: true, withFileTypes: true })) {
-    const path = join(entry.parentPath, entry.name);
-    if (entry.isFile() && !path.includes("__pycache__")) files[relative(capture, path)] = readFileSync(path, "utf8");
+  for (const name of ["sistap", "sisbus"]) {
+    for (const entry of readdirSync(join(capture, name), { recursive: true, withFileTypes: true })) {
+      const path = join(entry.parentPath, entry.name);
+      if (entry.isFile() && !path.includes("__pycache__")) files[relative(capture, path)] = readFileSync(path, "utf8");
+    }
   }
   const { loadPyodide } = await import(join(packages, "pyodide", "pyodide.mjs"));
   const sistap = await Sistap.start(loadPyodide, files, { indexURL: join(packages, "pyodide/") });

@@ -72,11 +72,10 @@ def _uncertainties(_: str) -> Sequence[Choice]:
 
 
 def _scenarios(_: str) -> Sequence[Choice]:
-    from sistap.commands.bus.scenarios import scenario  # imported only when the dialog is shown
+    from sisbus.library import DEFAULT, complete  # imported only when the dialog is shown
 
-    titles = {name: played.title for name in scenario.names() if (played := scenario.load(name)).is_complete}
-    names = sorted(titles, key=lambda name: name != scenario.DEFAULT)
-    return [(name, f"{name}: {titles[name]}") for name in names]
+    found = complete()
+    return [(name, f"{name}: {found[name].title}") for name in sorted(found, key=lambda name: name != DEFAULT)]
 
 
 def _inverted(_: str) -> Sequence[Choice]:

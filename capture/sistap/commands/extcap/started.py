@@ -8,8 +8,9 @@ import io
 from contextlib import closing, redirect_stdout
 from urllib.parse import urlencode
 
+from sisbus import library
 from sistap.commands import selftest
-from sistap.commands.extcap import demo, dialog
+from sistap.commands.extcap import dialog
 from sistap.commands.extcap.interfaces import ANALYSER, DEMO, DISTANT, port_of
 from sistap.commands.extcap.toolbar import Toolbar
 from sistap.tap.analyser import probe
@@ -61,7 +62,7 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
         baud=_rate(args.other_baud or args.baud),
         format=args.format or None,
         follow_baud=args.follow_baud,
-        framing=demo.framing(args.scenario) if demo_bus else Cut.parse(args.framing or "sis"),
+        framing=library.framing(args.scenario) if demo_bus else Cut.parse(args.framing or "sis"),
         filter=args.extcap_capture_filter or None,
         tza_ms=milliseconds(args.tza) if args.tza else None,
         trs_ms=milliseconds(args.trs) if args.trs else None,
@@ -72,7 +73,7 @@ def _port(args: argparse.Namespace) -> str:
     """Return the port to capture from. ValueError says what is wrong."""
     interface = args.extcap_interface
     if interface == DEMO:
-        return demo.start(args.faults, args.scenario)
+        return library.demo(args.scenario, args.faults)
     if interface == ANALYSER:
         return _analyser(args)
     if interface != DISTANT:

@@ -288,7 +288,8 @@ def _warn_of_others_rights(console: Console) -> None:
             f"other users get no serial ports in Wireshark, as they may not enter {closed[-1]}: run install from a "
             "folder that is open to all"
         )
-    run = (sources.PACKAGE, *sources.PACKAGE.rglob("*"), Path(sys.executable).resolve())
+    packages = (sources.PACKAGE, sources.PACKAGE.with_name("sisbus"))
+    run = (*(file for package in packages for file in package.rglob("*")), Path(sys.executable).resolve())
     changeable = next((path for path in run if not is_roots_alone(path)), None)
     if changeable:
         console.say(

@@ -9,9 +9,8 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
-from sistap.commands.bus import scenarios
+from sisbus.library import names
 
 _FILES = {"FILE", "CAPTURE", "LOG", "OUT", "PIPE"}  # metavars
 _HELP = ("-h", "--help")
@@ -117,7 +116,7 @@ def zsh(whole: argparse.ArgumentParser) -> str:
         COMMANDS="\n".join(f"        {_quoted(f'{name}:{text}')}" for name, text in described.items()),
         WHOLE="\n".join(f"        {line} \\" for line in _specifications(whole)),
         CASES="\n".join(cases),
-        SCENARIOS=" ".join(_scenarios()),
+        SCENARIOS=" ".join(names()),
     )
 
 
@@ -150,12 +149,8 @@ def _words(action: argparse.Action) -> list[str]:
         return [str(choice) for choice in action.choices]
     metavar = str(action.metavar or "")
     if metavar == "SCENARIO":
-        return _scenarios()
+        return names()
     return [part for part in metavar.split("|") if re.fullmatch("[a-z0-9]+", part)]  # as in RATE|auto
-
-
-def _scenarios() -> list[str]:
-    return sorted(file.stem for file in Path(scenarios.__file__).parent.glob("*.toml"))
 
 
 def _ports_or_words(action: argparse.Action) -> str:

@@ -12,7 +12,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.dissected.telegrams.values import Attribute, Unreadable, encoded
+from sistap.dissected.telegrams.attribute import Attribute
+from sistap.dissected.telegrams.values import Unreadable, encoded
 from sistap.tap.terminal.console import visible
 
 MARK = "SERCOS-ASCII"

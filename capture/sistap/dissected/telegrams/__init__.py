@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What telegrams say, as far as this is known without Wireshark.
 
-Stations, service, parameter (interpreter), and values by the attribute of their parameter (values). It may use records.
+Stations, service, parameter (interpreter), and values (values) by the attribute of their parameter (attribute). It may
+use records.
 """

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sistap.dissected.telegrams.values import Attribute, Value, value
+from sistap.dissected.telegrams.attribute import Attribute
+from sistap.dissected.telegrams.values import Value, value
 from sistap.tap.records.before import heard
 from sistap.tap.records.record import Record as BareRecord
 from sistap.tap.sis.names import S_NAMES

@@ -10,11 +10,9 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime, timedelta
 from decimal import Decimal
 from functools import lru_cache
-from typing import NamedTuple
 
-_SIZES = (0, 2, 4, 8, 1, 2, 4, 8)  # of a value in bytes, by the code of its length; from 4 on it is a list
-_BINARY, _UNSIGNED, _SIGNED, _HEX, _TEXT, _IDENT, _FLOAT, _TIME = range(8)
-_LIST_HEADER = 4  # actual and maximum length of a list, two bytes each
+from sistap.dissected.telegrams.attribute import LENGTH_WORDS, Attribute, Format
+
 _KINDS = {"S": 0, "P": 0x8000}
 _DECIMAL = re.compile(r"[+-]?(\d{1,40}(\.\d{1,40})?|\.\d{1,40})", re.ASCII)  # some backups write .80
 _UTC = re.compile(r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d)(?:\.(\d{1,9}))?Z", re.ASCII)
@@ -25,57 +23,11 @@ class Unreadable(Exception):
     """A text is no value of its attribute; the text says why."""
 
 
-class Attribute(NamedTuple):
-    """The attribute of a parameter."""
-
-    bits: int
-
-    @property
-    def size(self) -> int:
-        """Return the bytes of a value, or of an element of a list."""
-        return _SIZES[self.bits >> 16 & 7]
-
-    @property
-    def is_list(self) -> bool:
-        """Tell whether there are several values."""
-        return self.bits >> 16 & 7 >= 4
-
-    @property
-    def format(self) -> int:
-        """Return how it is written."""
-        return self.bits >> 20 & 7
-
-    @property
-    def is_text(self) -> bool:
-        """Tell whether the list is a text."""
-        return self.is_list and self.format == _TEXT
-
-    @property
-    def has_unit(self) -> bool:
-        """Tell whether values are numbers with a unit."""
-        return self.format in (_UNSIGNED, _SIGNED, _FLOAT)
-
-    @property
-    def is_read_only(self) -> bool:
-        """Tell whether nobody can write it, in whatever phase."""
-        return self.bits >> 28 & 7 == 7
-
-    @property
-    def decimals(self) -> int:
-        """Return the decimal places."""
-        return self.bits >> 24 & 15
-
-    @property
-    def factor(self) -> int:
-        """Return what the number on the bus is multiplied by."""
-        return max(self.bits & 0xFFFF, 1)
-
-
 def _number(text: str, attribute: Attribute) -> bytes:
     if not _DECIMAL.fullmatch(text):
         raise ValueError
     raw = Decimal(text).scaleb(attribute.decimals) / attribute.factor
-    return round(raw).to_bytes(attribute.size, "little", signed=attribute.format == _SIGNED)
+    return round(raw).to_bytes(attribute.size, "little", signed=attribute.format == Format.SIGNED)
 
 
 def _bits(text: str, attribute: Attribute) -> bytes:
@@ -108,13 +60,13 @@ def _time(text: str, attribute: Attribute) -> bytes:
 
 
 _WRITTEN: Mapping[int, tuple[Callable[[str, Attribute], bytes], str]] = {
-    _BINARY: (_bits, "binary digits such as 0000.0001"),
-    _UNSIGNED: (_number, "a number"),
-    _SIGNED: (_number, "a number"),
-    _HEX: (_hexadecimal, "a hexadecimal number such as 0x12AB"),
-    _IDENT: (_ident, "an ident such as S-0-0001"),
-    _FLOAT: (_float, "a number"),
-    _TIME: (_time, "a time such as 2026-11-23T21:00:00.5Z"),
+    Format.BINARY: (_bits, "binary digits such as 0000.0001"),
+    Format.UNSIGNED: (_number, "a number"),
+    Format.SIGNED: (_number, "a number"),
+    Format.HEXADECIMAL: (_hexadecimal, "a hexadecimal number such as 0x12AB"),
+    Format.IDENT_NUMBER: (_ident, "an ident such as S-0-0001"),
+    Format.FLOAT: (_float, "a number"),
+    Format.TIME: (_time, "a time such as 2026-11-23T21:00:00.5Z"),
 }
 
 
@@ -134,22 +86,22 @@ def encoded(attribute: Attribute, text: str) -> bytes | None:
 def without_lengths(attribute: Attribute, data: bytes) -> bytes:
     """Return the elements of a list without the two length words that may stand before them."""
     actual, most = int.from_bytes(data[:2], "little"), int.from_bytes(data[2:4], "little")
-    has_lengths = attribute.is_list and len(data) == actual + _LIST_HEADER and actual <= most
-    return data[_LIST_HEADER:] if has_lengths else data
+    has_lengths = attribute.is_list and len(data) == actual + LENGTH_WORDS and actual <= most
+    return data[LENGTH_WORDS:] if has_lengths else data
 
 
 def _decoded_one(attribute: Attribute, data: bytes) -> str:
-    raw = int.from_bytes(data, "little", signed=attribute.format == _SIGNED)
-    if attribute.format in (_UNSIGNED, _SIGNED):
+    raw = int.from_bytes(data, "little", signed=attribute.format == Format.SIGNED)
+    if attribute.format in (Format.UNSIGNED, Format.SIGNED):
         return f"{Decimal(raw * attribute.factor).scaleb(-attribute.decimals):.{attribute.decimals}f}"
-    if attribute.format == _BINARY:
+    if attribute.format == Format.BINARY:
         return ".".join(re.findall("....", f"{raw:0{attribute.size * 8}b}"))
-    if attribute.format == _IDENT and attribute.size in (2, 4):
+    if attribute.format == Format.IDENT_NUMBER and attribute.size in (2, 4):
         structure = f".{raw >> 24}.{raw >> 16 & 0xFF}" if raw >> 16 else ""
         return f"{'P' if raw & 0x8000 else 'S'}-{raw >> 12 & 7}-{raw & 0xFFF:04}{structure}"
-    if attribute.format == _FLOAT and attribute.size in (4, 8):
+    if attribute.format == Format.FLOAT and attribute.size in (4, 8):
         return f"{struct.unpack('<d' if attribute.size == 8 else '<f', data)[0]:.7g}"
-    if attribute.format == _TIME and attribute.size == 8 and raw >> 32 < 1_000_000_000:
+    if attribute.format == Format.TIME and attribute.size == 8 and raw >> 32 < 1_000_000_000:
         seconds, ns = struct.unpack("<II", data)
         return f"{_1970 + timedelta(seconds=seconds):%Y-%m-%dT%H:%M:%S}.{ns:09}Z"
     return f"0x{raw:0{attribute.size * 2}X}"
@@ -176,13 +128,13 @@ def value(attribute: Attribute, data: bytes) -> Value | None:
     text = None if attribute.is_list and elements is data else decoded(attribute, elements)
     if text is None or attribute.is_list:
         return text
-    if attribute.format in (_BINARY, _HEX):
+    if attribute.format in (Format.BINARY, Format.HEXADECIMAL):
         return int.from_bytes(data, "little")
     if text.startswith("0x"):  # no document describes such values of this length
         return None
-    if attribute.format in (_IDENT, _TIME):
+    if attribute.format in (Format.IDENT_NUMBER, Format.TIME):
         return text
-    return float(text) if attribute.decimals or attribute.format == _FLOAT else int(text)
+    return float(text) if attribute.decimals or attribute.format == Format.FLOAT else int(text)
 
 
 def shown_limit(attribute: Attribute, limit: str, unit: str) -> str:
@@ -192,14 +144,14 @@ def shown_limit(attribute: Attribute, limit: str, unit: str) -> str:
     except Unreadable:
         data = None
     shown = limit if data is None else decoded(attribute, data) or limit
-    if data is not None and attribute.format == _BINARY:
+    if data is not None and attribute.format == Format.BINARY:
         return "0b" + shown.replace(".", " ")
     return f"{shown} {unit}" if shown and unit and attribute.has_unit else shown
 
 
 def same(attribute: Attribute, one: bytes, other: bytes) -> bool:
     """Tell whether two values are equal; floating point only as exactly as people write it."""
-    if attribute.format != _FLOAT or len(one) != len(other) or len(one) != attribute.size:
+    if attribute.format != Format.FLOAT or len(one) != len(other) or len(one) != attribute.size:
         return one == other
     numbers = (struct.unpack("<d" if attribute.size == 8 else "<f", data)[0] for data in (one, other))
     return math.isclose(*numbers, rel_tol=1e-6)

@@ -13,7 +13,7 @@ after the reaction and ends by itself.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from enum import Enum
+from enum import IntEnum
 from typing import NamedTuple
 
 from sistap.tap.sis import telegram
@@ -37,12 +37,12 @@ class Setting(NamedTuple):
         return self.header[-1]
 
 
-class Misfit(Enum):
-    """Why a layout does not fit."""
+class Misfit(IntEnum):
+    """Why a layout does not fit: the status of a reaction that says so (fig. 2-18)."""
 
-    ADDRESS = "another address than the first"
-    SUBSERVICE = "a subservice of unknown length"
-    DATA = "data are missing"
+    DATA = 0xFA  # data are missing
+    SUBSERVICE = 0xFB  # of unknown length
+    ADDRESS = 0xFC  # another one than the first
 
 
 class Layout(NamedTuple):

@@ -95,11 +95,6 @@ class Errors:
         self._held: deque[_Held] = deque()
         self._silence_ns = 0  # so long nothing came while the process slept
 
-    @property
-    def holding(self) -> bool:
-        """Tell whether a read waits."""
-        return bool(self._held)
-
     def take(self, read: Read, *, slept: bool) -> list[Read]:
         """Take a read with the marks of the terminal. Return the reads whose errors are settled, in order.
 
