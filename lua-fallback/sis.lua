@@ -1042,9 +1042,6 @@ K.MOST_LIST = 65535
 -- Devices of one type that are asked for an attribute. More would say the same.
 K.MOST_TWINS = 8
 
--- Rows of the table of accesses below the first. Accesses without a row are still counted in the first.
-K.MOST_ROWS = 10000
-
 -- Elements of a list in the text of its value.
 K.SHOWN_IN_LIST = 4
 
@@ -3000,7 +2997,6 @@ do
     end
     if can_be_read then
       read_record(record, tvb, bytes, there)
-      if S.is_counting then S.note_record(record) end
       dissect_record(tvb, pinfo, parent, tree, root, record)
       if #bytes < there and not is_payload_cut(record) then S.show_cut(tvb, pinfo, parent, "SERTAP") end
     elseif is_cut then
@@ -7116,14 +7112,14 @@ do
 end
 
 --- sis/access: what was read and written: an access to the operating data of a parameter, told by the reaction to it.
--- Nothing is made unless statistics are counted, or somebody asks for the field.
+-- Nothing is made unless somebody asks for the field.
 
 do
   local SHOWN_BYTES, SHOWN_CHARACTERS = 16, 80
 
-  -- Whether statistics are counted, or somebody wants the field in this tree.
+  -- Whether somebody wants the field in this tree.
   function S.is_access_wanted(tree)
-    return S.is_counting or (tree and tree:referenced(F.access))
+    return tree and tree:referenced(F.access)
   end
 
   -- A reaction that comes twice is counted once.
@@ -7196,8 +7192,7 @@ do
   end
 
   function S.tell_access(access, tvb, tree)
-    if S.is_counting then S.note_access(access) end
-    if tree and tree:referenced(F.access) then add(tree, F.access, tvb, 0, 0, json_text(access)):set_hidden() end
+    add(tree, F.access, tvb, 0, 0, json_text(access)):set_hidden()
   end
 
   local function note(body, is_write, error_text, bytes)
@@ -7205,7 +7200,6 @@ do
     local access = {
       is_write = is_write,
       error = error_text, -- of a refused access
-      line = from.stream.bus.number,
       master = body.ends.listener,
       station = place_text(from.path),
       device = asked.device,
@@ -8282,52 +8276,34 @@ do
   end
 end
 
---- sis/statistics, sis/tables: the figures of the plugin's `-z sis,tree`, `sis,tza` and so on. They are
--- printed where the preference sis.statistics names them: tshark -q -o sis.statistics:tree,bus. In Wireshark they are
+--- windows/telegrams, windows/response-times: the figures of the plugin's `-z sis,tree` and `sis,srt`. They are
+-- printed where the preference sis.statistics names them: tshark -q -o sis.statistics:tree,srt. In Wireshark they are
 -- windows of the menu Statistics.
 
 do
   local MS = 1000000 -- in ns
   local CYCLE, SILENCE = 100 * MS, 200 * MS -- of an operator terminal (chapter 10.1)
-  local BINS_MS = {1, 2, 5, 10, 20, 50, math.huge} -- of intervals: each up to so many ms
-  local ALL = "All"
   local LINE_ERRORS = K.SERTAP_ERROR_CHARACTER + K.SERTAP_ERROR_BREAK + K.SERTAP_ERROR_LOST + K.SERTAP_ERROR_UNLOCATED
-  local NOT_MEASURED = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_ERROR_LOST
 
   sis.prefs.statistics = Pref.string("Statistics that tshark prints", "",
-    "Of tree, tza, bus, srt and parameters, with commas between them: tshark -q -o sis.statistics:tree,bus")
+    "tree or srt, or both with a comma between them: tshark -q -o sis.statistics:tree,srt")
   P.statistics = ""
 
-  -- The packet being dissected, until it is counted: {record, telegrams, accesses}. A telegram: {is_good, is_reaction,
-  -- service, talker, length, there, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
-  -- reaction_time}.
+  -- The packet being dissected, until it is counted: {number, telegrams}. A telegram: {is_good, is_reaction, service,
+  -- talker, status_text, errors, times: {record, first, count, end_}, timing, exchange, reaction_time}.
   local noted = {}
 
-  local function note(number)
-    if noted.number ~= number then
-      noted = {number = number, telegrams = {}, accesses = {}, interface = select(2, S.place())}
-    end
-    return noted
-  end
-
-  -- While counting: a record of characters, or another kind.
-  function S.note_record(record)
-    if record.type ~= K.SERTAP_EVENT then note(packet.number).record = record end
-  end
-
-  function S.note_access(access) table.insert(note(packet.number).accesses, access) end
-
+  -- While counting.
   function S.note_telegram(body, record)
     local telegram, times, errors = body.telegram, body.telegram.times, body.errors or {}
 
     if body.error_text then errors[#errors + 1] = strformat("0x%04x %s", body.error, body.error_text) end
-    table.insert(note(packet.number).telegrams, {
+    if noted.number ~= packet.number then noted = {number = packet.number, telegrams = {}} end
+    table.insert(noted.telegrams, {
       is_good = telegram.is_good,
       is_reaction = telegram.is_reaction,
       service = telegram.service,
       talker = body.ends.talker,
-      length = telegram.length,
-      there = body.there, -- and what follows it
       status_text = body.status_text,
       errors = errors,
       times = {record = times.record, first = times.first, count = times.count, begin = times.begin, end_ = times.end_,
@@ -8339,34 +8315,17 @@ do
     })
   end
 
-  local function ms_text(ns)
-    return T.decimal_text(floor((ns + 500) / 1000), 1, 3)
-  end
-
-  local function each_line(rows, format_row)
-    local stations = {}
-
-    for station in pairs(rows) do
-      if station ~= ALL then stations[#stations + 1] = station end
-    end
-    table.sort(stations)
-    local lines = {format_row(ALL, rows[ALL])}
-
-    for _, station in ipairs(stations) do
-      lines[#lines + 1] = format_row(strformat("%3d", station), rows[station])
-    end
-    return concat(lines, "\n")
-  end
-
-  -- Each kind of statistics: {title, new: makes the sums, count(sum, noted, number of the packet), text(sum)}.
+  -- Each kind of statistics: {title, new: makes the sums, count(sum, telegram), text(sum)}.
   local kinds = {}
 
   -- Counts below counts: {count, name, below: by name}.
-  local function tick(node, name)
+  local function count(node, name, by)
     node.below[name] = node.below[name] or {name = name, count = 0, below = {}}
-    node.below[name].count = node.below[name].count + 1
+    node.below[name].count = node.below[name].count + by
     return node.below[name]
   end
+
+  local function tick(node, name) return count(node, name, 1) end
 
   local function tree_lines(node, indent, lines)
     local below = {}
@@ -8382,278 +8341,62 @@ do
     return lines
   end
 
-  kinds.tree = {
-    title = "SIS telegrams",
-    new = function() return {below = {}} end,
-    count = function(root, of_packet)
-      for _, telegram in ipairs(of_packet.telegrams) do
-        local all = tick(root, "Telegrams")
-
-        if telegram.is_good then
-          tick(tick(tick(all, "By service"), S.service_name(telegram.service)),
-            telegram.is_reaction and "Reaction" or "Command")
-          tick(tick(all, "By talker"), strformat("%d", telegram.talker))
-          if telegram.status_text then tick(tick(all, "Reactions by status"), telegram.status_text) end
-          for _, text in ipairs(telegram.errors) do
-            tick(tick(all, "Errors"), text)
-          end
-        else
-          tick(all, "Damaged")
-        end
-      end
-    end,
-    text = function(root) return concat(tree_lines(root, 0, {}), "\n") end,
-  }
-
-  -- Quantiles: those of few intervals are exact. Those of more are from a histogram with 32 buckets for each doubling.
-  local FEW = 4096
-
-  local function bucket_of(ns)
-    local octave = 0
-
-    if ns < 32 then return ns end
-    while ns / 2 ^ octave >= 64 do
-      octave = octave + 1
+  local function count_line_errors(station, times)
+    if not times.record or band(times.record.flags, LINE_ERRORS) == 0 then return end
+    for at = times.first, times.first + times.count - 1 do
+      if band(T.flags_of(times.record, at), LINE_ERRORS) ~= 0 then tick(station, "Characters with line errors") end
     end
-    return octave * 32 + floor(ns / 2 ^ octave)
   end
 
-  local function end_of_bucket(bucket)
-    local octave, rest = floor(bucket / 32), bucket % 32
-
-    if octave == 0 then return bucket end
-    return (rest + 33) * 2 ^ (octave - 1) - 1
+  local function station_of(all, number, telegrams)
+    return count(count(all, "By station", telegrams), strformat("Station %d", number), telegrams)
   end
 
-  -- An interval as long as can be stored may have been longer.
-  local function bound_text(ns)
-    return (ns == K.LONGEST_INTERVAL and ">" or "") .. ms_text(ns)
-  end
+  -- What a station said, and which limits it did not keep.
+  local function count_talker(all, telegram)
+    local station, timing, times = station_of(all, telegram.talker, 1), telegram.timing, telegram.times
+    local exchange, interval = telegram.exchange, timing.longest and timing.longest.interval
+    local tza = timing.tza > 0 and timing.longest and timing.longest.verdict
 
-  local function quantile_text(row, percent)
-    local wanted, passed, bucket = floor((percent * row.exact + 99) / 100), 0, -1
-
-    if row.exact == 0 then return "" end
-    if row.exact <= FEW then
-      table.sort(row.few)
-      return bound_text(row.few[wanted])
-    end
-    while passed < wanted do
-      bucket = bucket + 1
-      passed = passed + (row.buckets[bucket] or 0)
-    end
-    return bound_text(min(end_of_bucket(bucket), row.largest))
-  end
-
-  local function new_intervals()
-    return {telegrams = 0, characters = 0, exceeded = 0, unresolved = 0, one_read = 0, bins = {0, 0, 0, 0, 0, 0, 0},
-      few = {}, buckets = {}, exact = 0, largest = 0, longest = nil}
-  end
-
-  local function is_same_read(times, character)
-    return character < times.count and band(T.flags_of(times.record, times.first + character), K.SERTAP_SAME_READ) ~= 0
-  end
-
-  local function count_interval(row, times, character)
-    local at, bin = times.first + character, 1
-
-    if band(T.flags_of(times.record, at), NOT_MEASURED) ~= 0 then return end
-    if is_same_read(times, character) then
-      row.one_read = row.one_read + 1
-      return
-    end
-    if is_same_read(times, character - 1) or is_same_read(times, character + 1) then return end
-    local ns = T.interval_of(times.record, at)
-    local bucket = bucket_of(ns)
-
-    while ns >= BINS_MS[bin] * MS do
-      bin = bin + 1
-    end
-    row.bins[bin] = row.bins[bin] + 1
-    row.buckets[bucket] = (row.buckets[bucket] or 0) + 1
-    row.exact, row.largest = row.exact + 1, max(row.largest, ns)
-    if row.exact <= FEW then row.few[row.exact] = ns end
-  end
-
-  -- To microseconds, as they are shown.
-  local function rounded(ns)
-    return floor((ns + 500) / 1000) * 1000
-  end
-
-  local function raise_longest(row, longest)
-    local interval = longest and longest.interval
-    local is_recorded = interval and (interval.is_exact or interval.is_saturated)
-    local ns = interval and (is_recorded and interval.recorded or interval.span.most)
-
-    if not ns or ns == K.ANY_TIME or rounded(ns) <= (row.longest or 0) then return end
-    row.longest = rounded(ns)
-    row.sign = interval.is_saturated and ">" or interval.is_exact and "" or "<="
-  end
-
-  local function count_intervals(row, telegram)
-    local timing, times = telegram.timing, telegram.times
-    local verdict = timing.tza > 0 and timing.longest and timing.longest.verdict
-
-    row.telegrams = row.telegrams + 1
-    row.characters = row.characters + telegram.length
-    for character = 1, times.count - 1 do
-      count_interval(row, times, character)
-    end
-    raise_longest(row, timing.longest)
-    if verdict == K.TIME_EXCEEDED then row.exceeded = row.exceeded + 1 end
-    if verdict == K.TIME_UNRESOLVED then row.unresolved = row.unresolved + 1 end
-  end
-
-  local function intervals_row(station, row)
-    local longest = row.longest and row.sign .. ms_text(row.longest) or ""
-    local bins = row.bins
-
-    return strformat("%-10s |%9d |%10d |%9s |%9s |%13s |%12d |%10d |%11d |%10d |%9d |%9d |%10d |%11d |%11d |%14d |",
-      station, row.telegrams, row.characters, quantile_text(row, 50), quantile_text(row, 99), longest, row.exceeded,
-      row.unresolved, row.one_read, bins[1], bins[2], bins[3], bins[4], bins[5], bins[6], bins[7])
-  end
-
-  kinds.tza = {
-    title = "SIS intervals by talker (TzA)",
-    new = function() return {[ALL] = new_intervals()} end,
-    count = function(rows, of_packet)
-      for _, telegram in ipairs(of_packet.telegrams) do
-        if telegram.is_good and telegram.times.record then
-          rows[telegram.talker] = rows[telegram.talker] or new_intervals()
-          count_intervals(rows[ALL], telegram)
-          count_intervals(rows[telegram.talker], telegram)
-        end
-      end
-    end,
-    text = function(rows)
-      return "Talker     |Telegrams |Characters |p50 in ms |p99 in ms |Longest in ms |TzA exceeded |Unresolved "
-        .. "|In one read |Under 1 ms |1 to 2 ms |2 to 5 ms |5 to 10 ms |10 to 20 ms |20 to 50 ms |50 ms and more |\n"
-        .. each_line(rows, intervals_row)
-    end,
-  }
-
-  local function new_station()
-    return {telegrams = 0, characters = 0, busy = 0, silences = 0, cycles = 0, repeats = 0, unanswered = 0, tza = 0,
-      trs = 0, damaged = 0, line = 0, lines = {}, span = 0, duration = 0}
-  end
-
-  local function add_to(row, name, by)
-    row[name] = row[name] + by
-  end
-
-  local function line_errors(record, first, count)
-    local found = 0
-
-    if band(record.flags, LINE_ERRORS) == 0 then return 0 end
-    for at = first, first + count - 1 do
-      if band(T.flags_of(record, at), LINE_ERRORS) ~= 0 then found = found + 1 end
-    end
-    return found
-  end
-
-  local function count_record(all, of_packet)
-    local record = of_packet.record
-
-    add_to(all, "characters", record.count)
-    add_to(all, "line", line_errors(record, 0, record.timed))
-    add_to(all, "busy", record.character_ns * record.count)
-    all.lines[of_packet.interface] = true
-    -- Times that went back do not count.
-    all.span = all.span + (all.last and max(T.elapsed(all.last, packet.time), 0) or record.character_ns)
-    all.last, all.duration = packet.time, record.duration
-  end
-
-  local function count_timing(row, telegram)
-    local timing, times, exchange = telegram.timing, telegram.times, telegram.exchange
-
-    if timing.silence then
-      if rounded(timing.silence) > (row.silence or 0) then
-        row.silence = rounded(timing.silence)
-        row.sign = timing.is_longer and ">" or ""
-      end
-      if timing.silence > SILENCE then add_to(row, "silences", 1) end
+    if tza == K.TIME_EXCEEDED then tick(station, "TzA exceeded") end
+    if tza == K.TIME_UNRESOLVED then tick(station, "TzA unresolved") end
+    if timing.trs > 0 and S.judge_trs(exchange, times, timing.trs) == K.TIME_EXCEEDED then
+      tick(station, "TrS exceeded")
     end
     if telegram.reaction_time and T.elapsed(exchange.command_begin, times.end_) > CYCLE then
-      add_to(row, "cycles", 1)
+      tick(station, "Cycles above 100 ms")
     end
-    if timing.tza > 0 and timing.longest and timing.longest.verdict == K.TIME_EXCEEDED then add_to(row, "tza", 1) end
-    if timing.trs > 0 and S.judge_trs(exchange, times, timing.trs) == K.TIME_EXCEEDED then add_to(row, "trs", 1) end
-  end
-
-  local function station_of(rows, station)
-    rows[station] = rows[station] or new_station()
-    return rows[station]
-  end
-
-  local function count_talker(rows, telegram)
-    local row, times = station_of(rows, telegram.talker), telegram.times
-
-    add_to(row, "telegrams", 1)
-    add_to(row, "characters", telegram.length)
-    count_timing(rows[ALL], telegram)
-    count_timing(row, telegram)
-    if not times.record then return end
-    add_to(row, "busy", times.record.character_ns * times.count)
-    add_to(row, "line", line_errors(times.record, times.first, times.count))
+    if timing.silence and timing.silence > SILENCE then tick(station, "Silences above 200 ms") end
+    count_line_errors(station, times)
+    if interval and interval.is_exact then tick(station, "Longest interval (us)") end
   end
 
   -- The station that the master had to ask again, or in vain.
-  local function count_asked(rows, exchange)
-    if exchange.repeat_of then
-      add_to(rows[ALL], "repeats", 1)
-      add_to(station_of(rows, byte(exchange.from.path)), "repeats", 1)
-    end
-    if exchange.gave_up then
-      add_to(rows[ALL], "unanswered", 1)
-      add_to(station_of(rows, exchange.gave_up_station), "unanswered", 1)
-    end
+  local function count_asked(all, exchange)
+    if exchange.repeat_of then tick(station_of(all, byte(exchange.from.path), 0), "Repeats") end
+    if exchange.gave_up then tick(station_of(all, exchange.gave_up_station, 0), "Unanswered") end
   end
 
-  local function count_telegram(rows, telegram)
-    local all = rows[ALL]
+  kinds.tree = {
+    title = "SIS telegrams",
+    new = function() return {below = {}} end,
+    count = function(root, telegram)
+      local all = tick(root, "Telegrams")
 
-    add_to(all, "telegrams", 1)
-    if not telegram.times.record then add_to(all, "characters", telegram.there) end
-    if not telegram.is_good then
-      add_to(all, "damaged", 1)
-      return
-    end
-    count_talker(rows, telegram)
-    if telegram.exchange and not telegram.is_reaction then count_asked(rows, telegram.exchange) end
-  end
-
-  local function station_row(all, lines)
-    local span = all.span + all.duration
-
-    return function(station, row)
-      local share = row.busy / (span * (station == ALL and lines or 1))
-      local load = span > 0 and T.decimal_text(floor(1000 * share + 0.5), 1, 1) or ""
-
-      return strformat("%-11s |%9d |%7d |%10d |%12d |%12d |%7d |%11d |%10d |%9s |%21s |%17d |%15d |", station,
-        row.telegrams, row.repeats, row.unanswered, row.tza, row.trs, row.damaged, row.line, row.characters, load,
-        row.silence and row.sign .. ms_text(row.silence) or "", row.silences, row.cycles)
-    end
-  end
-
-  kinds.bus = {
-    title = "SIS bus by station",
-    new = function() return {[ALL] = new_station()} end,
-    count = function(rows, of_packet)
-      if of_packet.record then count_record(rows[ALL], of_packet) end
-      for _, telegram in ipairs(of_packet.telegrams) do
-        count_telegram(rows, telegram)
+      if not telegram.is_good then
+        tick(all, "Damaged")
+        return
+      end
+      tick(tick(tick(all, "By service"), S.service_name(telegram.service)),
+        telegram.is_reaction and "Reaction" or "Command")
+      count_talker(all, telegram)
+      if telegram.exchange and not telegram.is_reaction then count_asked(all, telegram.exchange) end
+      if telegram.status_text then tick(tick(all, "Reactions by status"), telegram.status_text) end
+      for _, text in ipairs(telegram.errors) do
+        tick(tick(all, "Errors"), text)
       end
     end,
-    text = function(rows)
-      local lines = 0
-
-      for _ in pairs(rows[ALL].lines) do
-        lines = lines + 1
-      end
-      return "Station     |Telegrams |Repeats |Unanswered |TzA exceeded |TrS exceeded |Damaged |Line errors "
-        .. "|Characters |Load in % |Longest silence in ms |Silences > 200 ms |Cycles > 100 ms |\n"
-        .. each_line(rows, station_row(rows[ALL], lines))
-    end,
+    text = function(root) return concat(tree_lines(root, 0, {}), "\n") end,
   }
 
   local function seconds_text(ns)
@@ -8663,18 +8406,15 @@ do
   kinds.srt = {
     title = "SIS reaction times by service",
     new = function() return {} end,
-    count = function(services, of_packet)
-      for _, telegram in ipairs(of_packet.telegrams) do
-        local taken = telegram.reaction_time
+    count = function(services, telegram)
+      local taken = telegram.reaction_time
 
-        if taken then
-          local row = services[telegram.service] or {calls = 0, least = taken, most = taken, sum = 0}
+      if not taken then return end
+      local row = services[telegram.service] or {calls = 0, least = taken, most = taken, sum = 0}
 
-          services[telegram.service] = row
-          row.calls, row.sum = row.calls + 1, row.sum + taken
-          row.least, row.most = min(row.least, taken), max(row.most, taken)
-        end
-      end
+      services[telegram.service] = row
+      row.calls, row.sum = row.calls + 1, row.sum + taken
+      row.least, row.most = min(row.least, taken), max(row.most, taken)
     end,
     text = function(services)
       local lines = {strformat("%5s  %-50s %8s %10s %10s %10s", "Index", "Service", "Calls", "Min SRT", "Max SRT",
@@ -8692,97 +8432,16 @@ do
     end,
   }
 
-  local function new_parameter(...)
-    local line, station, device, parameter = ...
-
-    return {line = line, station = station or "", device = device or "", parameter = parameter or "", name = "",
-      unit = "", reads = 0, writes = 0, errors = 0, first = "", last = "", least = "", greatest = "", raw = 0,
-      by = "", packet = ""}
-  end
-
-  -- nil: the table is full.
-  local function find_parameter(rows, access)
-    local key = strformat("%d %s %d %s", access.line, access.station, access.device, access.ident.text)
-
-    if not rows.by_key[key] and #rows.all < K.MOST_ROWS then
-      local row = new_parameter(strformat("%d", access.line), access.station, strformat("%d", access.device),
-        access.ident.text)
-
-      rows.by_key[key] = row
-      rows.all[#rows.all + 1] = row
-    end
-    return rows.by_key[key]
-  end
-
-  local function count_value(row, access)
-    local number = S.shown_number(access.number)
-
-    if not access.value then return end
-    if row.first == "" then row.first = access.value end
-    row.last = access.value
-    if access.is_raw then add_to(row, "raw", 1) end
-    if not number then return end
-    if not row.least_number or number < row.least_number then row.least_number, row.least = number, access.value end
-    if not row.greatest_number or number > row.greatest_number then
-      row.greatest_number, row.greatest = number, access.value
-    end
-  end
-
-  local function count_access(rows, access)
-    local row, what = find_parameter(rows, access), access.error and "errors" or access.is_write and "writes" or "reads"
-
-    add_to(rows.sum, what, 1)
-    if access.value and access.is_raw then add_to(rows.sum, "raw", 1) end
-    if not row then
-      rows.sum.name = "more parameters than rows"
-      return
-    end
-    add_to(row, what, 1)
-    row.name, row.unit = access.known.name or row.name, access.known.unit or row.unit
-    count_value(row, access)
-    if what ~= "writes" then return end
-    row.by = access.master and strformat("%d", access.master) or ""
-    row.packet = strformat("%d", packet.number)
-  end
-
-  -- A drive names its parameters: what it says must not look like the line between two columns.
-  local function in_cell(text)
-    return (gsub(text, "|", "¦"))
-  end
-
-  local function parameter_row(row)
-    return strformat("%-4s |%-7s |%-6s |%-9s |%-4s |%-4s |%5d |%6d |%6d |%5s |%4s |%5s |%8s |%5d |%10s |%9s |",
-      row.line, row.station, row.device, row.parameter, in_cell(row.name), in_cell(row.unit), row.reads, row.writes,
-      row.errors, in_cell(row.first), in_cell(row.last), in_cell(row.least), in_cell(row.greatest),
-      row.raw, row.by, row.packet)
-  end
-
-  kinds.parameters = {
-    title = "SIS parameters",
-    new = function() return {sum = new_parameter(ALL), all = {}, by_key = {}} end,
-    count = function(rows, of_packet)
-      for _, access in ipairs(of_packet.accesses) do
-        count_access(rows, access)
-      end
-    end,
-    text = function(rows)
-      local lines = {"Line |Station |Device |Parameter |Name |Unit |Reads |Writes |Errors |First |Last |Least "
-        .. "|Greatest |Bytes |Written by |In packet |", parameter_row(rows.sum)}
-
-      for _, row in ipairs(rows.all) do
-        lines[#lines + 1] = parameter_row(row)
-      end
-      return concat(lines, "\n")
-    end,
-  }
-
   -- A tap of Wireshark that counts one kind; `show` gets the text whenever Wireshark draws.
   local function start(kind, show)
     local tap = Listener.new("frame")
     local sum = kind.new()
 
     function tap.packet(pinfo)
-      if noted.number == pinfo.number then kind.count(sum, noted) end
+      if noted.number ~= pinfo.number then return end
+      for _, telegram in ipairs(noted.telegrams) do
+        kind.count(sum, telegram)
+      end
     end
 
     function tap.draw() show(kind.text(sum)) end
@@ -8791,7 +8450,7 @@ do
     return tap
   end
 
-  local ORDER = {"tree", "tza", "bus", "srt", "parameters"}
+  local ORDER = {"tree", "srt"}
   local is_printing = false
 
   local function print_what_is_asked_for()
@@ -8811,49 +8470,13 @@ do
 
   at_init(print_what_is_asked_for)
 
-  local WINDOW = 76 -- characters that fit into a line of a window
-
-  -- Splits a table that is too wide; each part repeats its first column.
-  local function in_narrow_tables(text)
-    local rows, lines, from = {}, {}, 2
-
-    for line in string.gmatch(text, "[^\n]+") do
-      local cells = {}
-
-      for cell in string.gmatch(line, "[^|]*|") do
-        cells[#cells + 1] = cell
-      end
-      rows[#rows + 1] = cells
-    end
-    local heads = rows[1]
-
-    while from <= #heads do
-      local width, to = #heads[1] + #heads[from], from
-
-      while to < #heads and width + #heads[to + 1] <= WINDOW do
-        to = to + 1
-        width = width + #heads[to]
-      end
-      for _, cells in ipairs(rows) do
-        lines[#lines + 1] = (cells[1] or "") .. concat(cells, "", from, min(to, #cells))
-      end
-      lines[#lines + 1] = ""
-      from = to + 1
-    end
-    return concat(lines, "\n")
-  end
-
-  local function window_text(text)
-    return string.find(text, "|", 1, true) and in_narrow_tables(text) or text
-  end
-
   local function open_window(kind)
     return function()
       local window = TextWindow.new(kind.title)
       local tap
 
       S.is_counting = true
-      tap = start(kind, function(text) window:set(window_text(text)) end)
+      tap = start(kind, function(text) window:set(text) end)
       window:set_atclose(function() tap:remove() end)
       retap_packets()
     end
@@ -11835,7 +11458,7 @@ do
   end
 
   -- The line that ends an answer completes a read or write of operating data.
-  local function tell_access(line, pinfo)
+  local function tell_access(line)
     local command = access_of(line.unit.command)
 
     if line.unit.kind ~= PROMPT or not command or not command.drive or command.said.element ~= K.ELEMENT_DATA
@@ -11846,7 +11469,6 @@ do
     local access = {
       is_write = command.kind == WRITE,
       error = code and strformat("0x%04x %s", code, error_text(code)),
-      line = S.exchange_bus(pinfo).number,
       station = strformat("%d", drive),
       device = drive,
       ident = ident,
@@ -11896,7 +11518,7 @@ do
     show_drive(line)
     show_line(line)
     show_links(line)
-    tell_access(line, pinfo)
+    tell_access(line)
     local words = N.ascii_kinds[line.unit.kind] .. line.words
     local cols = pinfo.cols
 

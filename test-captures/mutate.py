@@ -166,11 +166,9 @@ STATISTICS = ["-q"]
 for name in (
     "sertap,tree",
     "sis,tree",
-    "sis,tza",
-    "sis,bus",
-    "sis,parameters",
     "sis,srt",
     "rk512i,srt",
+    "sisascii,srt",
     "conv,sis",
     "endpoints,sis",
 ):

@@ -428,7 +428,6 @@ tell_access(const line_t *line)
 {
     const sisascii_command_t *command = access_of(line->unit->command);
     wmem_allocator_t *pool = line->pinfo->pool;
-    sis_bus_t *bus = sis_exchange_bus(line->pinfo);
     sis_access_t *access;
 
     if (line->unit->kind != SISASCII_PROMPT || command == NULL || !command->has_drive ||
@@ -436,13 +435,12 @@ tell_access(const line_t *line)
         return;
     access = wmem_new0(pool, sis_access_t);
     access->is_write = command->said.kind == SISASCII_WRITE;
-    access->bus = bus->number;
     access->place = sisascii_place(command);
     access->ident = command->said.ident;
     access->known = known_of(command);
     if (line->pinfo->fd->visited)
-        sis_learned_complete(sis_learned_of(bus), &access->place, command->said.ident, &access->known);
-    access->is_refused = command->has_error;
+        sis_learned_complete(sis_learned_of(sis_exchange_bus(line->pinfo)), &access->place,
+                             command->said.ident, &access->known);
     if (command->has_error) {
         access->error = wmem_strdup_printf(pool, "0x%04x %s", command->error, error_text(command->error));
     } else if (command->count > 0) {
@@ -450,10 +448,8 @@ tell_access(const line_t *line)
 
         access->text = value;
         access->is_number = command->count == 1 && is_number(value);
-        if (access->is_number) {
-            access->number = g_ascii_strtod(value, NULL);
+        if (access->is_number)
             value = with_unit(pool, value, &access->known);
-        }
         access->value = sis_text_shortened(pool, value, SHOWN_CHARACTERS);
     }
     sis_access_tell(access, line->tvb, line->pinfo, line->tree);

@@ -77,12 +77,6 @@ stream_of_command(sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
     return stream;
 }
 
-uint32_t
-sis_stream_count(void)
-{
-    return wmem_map_size(streams);
-}
-
 /* 0 or 1: the direction of a telegram's command in its stream. */
 static unsigned
 command_direction(const sis_telegram_t *telegram)

@@ -219,7 +219,4 @@ sis_bus_t *sis_exchange_bus(packet_info *pinfo);
 void sis_exchange_show(const sis_record_t *record, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
                        proto_item *root, const sis_telegram_t *telegram, wmem_strbuf_t *marks);
 
-/* How many pairs of stations have talked; their numbers, sis.stream, begin at 0. */
-uint32_t sis_stream_count(void);
-
 #endif

@@ -5,7 +5,6 @@
  * 8-27). */
 #include "synax/rk512i.h"
 
-#include <epan/srt_table.h>
 #include <epan/tap.h>
 
 #include "items.h"
@@ -41,12 +40,6 @@ typedef struct {
     uint8_t axis;
     sis_ident_t ident;
 } job_t;
-
-/* Data of the tap "rk512i": a reaction to a command. */
-typedef struct {
-    uint8_t command; /* its letter */
-    int64_t elapsed; /* ns */
-} answer_t;
 
 /* What chapter 8 does not allow; shown as notes. */
 typedef enum {
@@ -444,12 +437,12 @@ dissect_head(dissection_t *d)
 static void
 queue_answer(const dissection_t *d)
 {
-    answer_t *answer;
+    rk512i_answer_t *answer;
 
     if (d->telegram->request_in == 0 || d->telegram->job == NULL || d->telegram->elapsed < 0)
         return;
-    answer = wmem_new(d->pinfo->pool, answer_t);
-    *answer = (answer_t){d->telegram->job->command, d->telegram->elapsed};
+    answer = wmem_new(d->pinfo->pool, rk512i_answer_t);
+    *answer = (rk512i_answer_t){d->telegram->job->command, d->telegram->elapsed};
     tap_queue_packet(rk512i_tap, d->pinfo, answer);
 }
 
@@ -509,41 +502,10 @@ dissect_rk512i(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
     return tvb_captured_length(tvb);
 }
 
-/* The letters of the commands. A row of the table has the index of its letter here. */
-static const char commands[] = {'A', 'E', 'O'};
-
-static void
-srt_init(struct register_srt *srt _U_, GArray *tables)
-{
-    static const char *const names[] = {"SEND", "FETCH", "SEND to an extended data block"};
-    srt_stat_table *table = init_srt_table("RK512 commands", NULL, tables, array_length(commands), "Command",
-                                           "rk512i.command", NULL);
-
-    for (unsigned i = 0; i < array_length(commands); i++)
-        init_srt_table_row(table, (int)i, names[i]);
-}
-
-/* The table subtracts it from the packet's time. */
-static tap_packet_status
-srt_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *tapped, tap_flags_t flags _U_)
-{
-    srt_stat_table *table = g_array_index(((srt_data_t *)data)->srt_array, srt_stat_table *, 0);
-    const answer_t *answer = tapped;
-    const char *command = memchr(commands, answer->command, sizeof commands);
-    nstime_t asked, taken = sertap_time(answer->elapsed);
-
-    if (command == NULL)
-        return TAP_PACKET_DONT_REDRAW;
-    nstime_delta(&asked, &pinfo->abs_ts, &taken);
-    add_srt_table_data(table, (int)(command - commands), &asked, pinfo);
-    return TAP_PACKET_REDRAW;
-}
-
 void
 synax_rk512i_register(void)
 {
     buses = kept_map_of_numbers();
     rk512i_tap = register_tap("rk512i");
-    register_srt_table(proto_rk512i, "rk512i", 1, srt_packet, srt_init, NULL);
     register_dissector("rk512i", dissect_rk512i, proto_rk512i);
 }

@@ -11,6 +11,12 @@ typedef struct {
     bool is_repeat; /* the same block again */
 } synax_block_t;
 
+/* Received by the tap "rk512i": a reaction to a command. */
+typedef struct {
+    uint8_t command; /* its letter */
+    int64_t elapsed; /* ns */
+} rk512i_answer_t;
+
 /* Decodes the data of a block; false if they do not look like RK512. `data` is a synax_block_t, or NULL. */
 bool synax_rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void *data);
 

@@ -89,7 +89,7 @@ packet(stats_tree *tree, packet_info *pinfo, epan_dissect_t *edt _U_, const void
 }
 
 void
-sertap_statistics_register(void)
+windows_characters_register(void)
 {
     stats_tree_register_plugin("sertap", "sertap", COMPAT_IN_SUBMENU("Serial tap: characters and intervals"),
                                0, packet, init, NULL);

@@ -301,7 +301,7 @@ static stat_tap_ui ui = {
 };
 
 void
-sis_rows_register(void)
+windows_rows_register(void)
 {
     register_stat_tap_ui(&ui, NULL);
 }
