@@ -45,13 +45,6 @@ sis.prefs.tza_from = Pref.enum("TzA counts from", 0,
   {"end", "The end of the character before: the pause alone", 1},
   {"start", "The start of the character before: the whole interval", 2}}, false)
 sis.prefs.trs_ms = Pref.uint("TrS in ms", 0, "Longest reaction time allowed; 0: as the bus was told")
-sis.prefs.dlt_user = Pref.enum("Decode a user link type as SIS", -1,
-  "Captures of this link type hold bare telegrams. Goes before the table of protocol DLT_USER while it is set",
-  {{"off", "Off", -1}, {"user0", "USER0 (147)", 0}, {"user1", "USER1 (148)", 1}, {"user2", "USER2 (149)", 2},
-  {"user3", "USER3 (150)", 3}, {"user4", "USER4 (151)", 4}, {"user5", "USER5 (152)", 5}, {"user6", "USER6 (153)", 6},
-  {"user7", "USER7 (154)", 7}, {"user8", "USER8 (155)", 8}, {"user9", "USER9 (156)", 9},
-  {"user10", "USER10 (157)", 10}, {"user11", "USER11 (158)", 11}, {"user12", "USER12 (159)", 12},
-  {"user13", "USER13 (160)", 13}, {"user14", "USER14 (161)", 14}, {"user15", "USER15 (162)", 15}}, false)
 sis.prefs.tcp_heuristic = Pref.bool("Recognize SIS on any TCP port", true,
   "Where a segment starts with a whole telegram: equal lengths, right checksum; or with a command of "
     .. "the ASCII protocol")
@@ -83,8 +76,8 @@ local protos = {["sertap"] = sertap, ["sis"] = sis, ["3964r"] = p3964r, ["rk512i
   ["synax"] = synax, ["synaxpk"] = synaxpk, ["synaxobj"] = synaxobj, ["synaxpcp"] = synaxpcp, ["synaxpd"] = synaxpd,
   ["sisascii"] = sisascii} -- by filter name
 
-local P = {edition = 0, clc_as_sercos = false, ecodrive_phases = false, tza_ms = 0, tza_from = 0, trs_ms = 0, dlt_user
-  = -1, tcp_heuristic = true, udp_heuristic = false} -- values of the preferences of sis
+local P = {edition = 0, clc_as_sercos = false, ecodrive_phases = false, tza_ms = 0, tza_from = 0, trs_ms = 0,
+  tcp_heuristic = true, udp_heuristic = false} -- values of the preferences of sis
 -- end of protocols
 
 -- Functions shared by blocks, with their names in the C headers: S.take for sis_take(), T.load for sertap_load().
@@ -11573,7 +11566,6 @@ end
 
 do
   local SIP_PORT = 35021 -- S/IP, another protocol of the same drives
-  local DLT_USER_OFF = -1
 
   local NO_TELEGRAM, GOOD, DAMAGED, INCOMPLETE = 0, 1, 2, 3
 
@@ -11655,24 +11647,6 @@ do
   end
 
   S.dissect_segment = dissect_segment
-
-  -- An entry of "wtap_encap" silently overrides the user's own DLT_USER table. So none is made unless requested, and
-  -- the link type is returned to that table afterwards. For each file, and not when preferences are applied.
-  local taken = DLT_USER_OFF
-
-  local function apply_dlt_user()
-    local encapsulations = DissectorTable.get("wtap_encap")
-
-    if P.dlt_user == taken then return end
-    if taken ~= DLT_USER_OFF then
-      encapsulations:remove(wtap.USER0 + taken, sis)
-      encapsulations:add(wtap.USER0 + taken, Dissector.get("user_dlt"))
-    end
-    if P.dlt_user ~= DLT_USER_OFF then encapsulations:add(wtap.USER0 + P.dlt_user, sis) end
-    taken = P.dlt_user
-  end
-
-  at_init(apply_dlt_user)
 
   for name, proto in pairs(protos) do
     proto.fields, proto.experts = registered[name].fields, registered[name].experts

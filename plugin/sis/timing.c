@@ -2,7 +2,7 @@
 /* Verdicts on the timing of telegrams: TzA, TrS, TwM and Tmas (chapter 10), and how busy the bus is.
  *
  * A limit comes from a preference, else from the bus (bus.c), else from the user who captured. Without a
- * limit there is no verdict, nor if only packets have times. times.c computes the sis_verdicts. */
+ * limit there is no verdict, nor if only packets have times. times.c computes the verdicts. */
 #include "sis/timing.h"
 
 #include <math.h>
@@ -395,7 +395,8 @@ find_timing(timing_t *t)
     find_silence(timing, &t->telegram->times);
     timing->tza = limit(t, SIS_TZA, pref_sis_tza_ms);
     if (is_longest_wanted(t))
-        timing->longest = sis_longest(&t->telegram->times, timing->tza, (sis_from_t)pref_sis_tza_from);
+        timing->longest = sis_longest(t->body->pinfo->pool, &t->telegram->times, timing->tza,
+                                      (sis_from_t)pref_sis_tza_from);
     timing->has_reaction_time = is_answer && exchange->is_measured;
     if (is_answer && t->telegram->subaddress_count == 0 && t->telegram->times.record != NULL)
         timing->trs = limit(t, SIS_TRS, pref_sis_trs_ms);

@@ -262,7 +262,7 @@ show_intervals(const sis_times_t *times, tvbuff_t *tvb, packet_info *pinfo, prot
 
     if (times->record == NULL)
         return;
-    longest = sis_longest(times, pref_3964r_zvz_ms * MS, SIS_FROM_START);
+    longest = sis_longest(pinfo->pool, times, pref_3964r_zvz_ms * MS, SIS_FROM_START);
     if (longest.interval.at == 0)
         return;
     is_longer = longest.interval.is_saturated;
