@@ -932,6 +932,18 @@ N.synaxpcp_services = {
   [0x01AD] = "Abort indication",
 }
 
+-- Error class, code and additional code of Interbus PCP as one number, as NIBA-01 prints them.
+N.synaxpcp_errors = {
+  [0x06030000] = "no access",
+  [0x06050011] = "invalid subindex",
+  [0x06050012] = "data too long",
+  [0x06050013] = "data too short",
+  [0x06060000] = "the object is not a parameter",
+  [0x06070000] = "the object does not exist",
+  [0x08000000] = "the service cannot be executed",
+  [0x08000020] = "the service cannot be executed now",
+}
+
 -- Directions of process data.
 K.SYNAXPD_TO_PPC = 1
 K.SYNAXPD_FROM_PPC = 2
@@ -10187,7 +10199,7 @@ end
 -- is read from the same object (p. 2-16). 5FF0 to 5FF6 are diagnosis words (p. 2-36 to 2-40).
 
 do
-  local HEAD_SIZE, WORD_SIZE = 3, 2
+  local WORD_SIZE = 2
   local READ_ANSWER, WRITE_REQUEST = K.SYNAXOBJ_READ_ANSWER, K.SYNAXOBJ_WRITE_REQUEST
   local DIAGNOSIS_FIELDBUS, STATUS_FIELDBUS = K.SYNAXOBJ_DIAGNOSIS_FIELDBUS, K.SYNAXOBJ_STATUS_FIELDBUS
   local FAULT_CODE_PPC = K.SYNAXOBJ_FAULT_CODE_PPC
@@ -10239,7 +10251,7 @@ do
     local number = packet.number
     local known, object = links[number] and links[number][place], objects[access.index]
 
-    if known or packet.visited or not object or not object.of_telegrams then return known end
+    if known or packet.visited or not object.of_telegrams then return known end
     local key = S.line_key(S.place()) .. " " .. access.channel .. " " .. access.index
 
     known = new_link(key, access)
@@ -10338,39 +10350,24 @@ do
     d.pinfo.cols.info:append(strformat("  0x%04x", word))
   end
 
-  local MULTIPLEX_WORD = "Control or status word of the multiplex channel: which bits are Index_out_c, "
-    .. "Index_in_c, RR and RA is not defined"
-
   local function dissect_unknown(d)
     add_raw(d, FX.synaxobj_raw, d.offset, d.length)
     d.pinfo.cols.info:append(strformat("  %d byte%s", d.length, plural(d.length)))
-    add_expert(d.root, EX.synax_note, objects[d.access.index] and MULTIPLEX_WORD
-      or strformat("What object 0x%04X holds is not defined", d.access.index))
-  end
-
-  local function dissect_without_content(d)
-    local operation = d.access.operation
-    local name = N.synaxobj_operations[operation]
-
-    add_raw(d, FX.synaxobj_raw, d.offset, d.length)
-    if not name then
-      add_expert(d.root, EX.synax_note, strformat("Operation %d is not defined", operation))
-    elseif d.length > 0 then
-      add_expert(d.root, EX.synax_unexpected, strformat("A %s has no data", name))
-    end
+    add_expert(d.root, EX.synax_note, "Control or status word of the multiplex channel: which bits are Index_out_c, "
+      .. "Index_in_c, RR and RA is not defined")
   end
 
   -- A write request and a read answer contain the object, the others do not.
   local function dissect_content(d)
     local object, operation = objects[d.access.index], d.access.operation
 
-    if operation ~= WRITE_REQUEST and operation ~= READ_ANSWER then return dissect_without_content(d) end
-    if object and object.size and d.length > object.size then
+    if operation ~= WRITE_REQUEST and operation ~= READ_ANSWER then return end
+    if object.size and d.length > object.size then
       add_expert(d.root, EX.synax_unexpected, "More bytes than the object has")
     end
     if d.length == 0 then
       add_expert(d.root, EX.synax_short, "The content of the object is missing")
-    elseif not object or not object.size then
+    elseif not object.size then
       dissect_unknown(d)
     elseif object.of_telegrams then
       dissect_telegram(d)
@@ -10379,73 +10376,20 @@ do
     end
   end
 
-  local function begin(tvb, pinfo, parent, offset, length)
-    local tree = parent:add(synaxobj, tvb(offset, length))
-
-    pinfo.cols.protocol = "SYNAXOBJ"
-    return {tvb = tvb, pinfo = pinfo, parent = parent, tree = tree, root = tree, offset = offset, length = length}
-  end
-
-  local function operation_text(operation)
-    return N.synaxobj_operations[operation] or strformat("operation %d", operation)
-  end
-
-  local function name_root(d)
-    append_text(d.root, strformat(", 0x%04X %s", d.access.index, operation_text(d.access.operation)))
-  end
-
   -- An object on another bus: `length` available bytes at `offset`. Appends to the info column. `access` has index,
   -- operation, and channel, which distinguishes the devices of a bus.
   function S.dissect_object(tvb, offset, length, pinfo, parent, access)
-    local d = begin(tvb, pinfo, parent, offset, length)
+    local root = parent:add(synaxobj, tvb(offset, length))
+    local d = {tvb = tvb, pinfo = pinfo, parent = parent, tree = root, root = root, offset = offset, length = length,
+      access = access, bytes = length > 0 and tvb(offset, length):bytes():raw() or ""}
 
-    d.access = access
-    d.bytes = length > 0 and tvb(offset, length):bytes():raw() or ""
-    set_generated(add(d.tree, FX.synaxobj_index, tvb, 0, 0, access.index))
-    set_generated(add(d.tree, FX.synaxobj_operation, tvb, 0, 0, access.operation))
-    name_root(d)
+    pinfo.cols.protocol = "SYNAXOBJ"
+    set_generated(add(root, FX.synaxobj_index, tvb, 0, 0, access.index))
+    set_generated(add(root, FX.synaxobj_operation, tvb, 0, 0, access.operation))
+    append_text(root, strformat(", 0x%04X %s", access.index, N.synaxobj_operations[access.operation]))
     pinfo.cols.info:append(strformat("  0x%04X", access.index))
     show_link(d, find_link(tvb:offset() + offset, access))
     dissect_content(d)
-  end
-
-  -- The head is defined by this project, in plugin/docs/synax200-objects.md.
-  local function dissect_named(d, is_cut)
-    add(d.tree, FX.synaxobj_index, d.tvb, 0, 2)
-    add(d.tree, FX.synaxobj_operation, d.tvb, 2, 1)
-    name_root(d)
-    d.pinfo.cols.info:append(strformat("0x%04X %s", d.access.index, operation_text(d.access.operation)))
-    if is_cut then
-      add_raw(d, FX.synaxobj_raw, d.offset, d.length)
-    else
-      show_link(d, find_link(d.tvb:offset(), d.access))
-      dissect_content(d)
-    end
-  end
-
-  function synaxobj.dissector(tvb, pinfo, parent)
-    local bytes, there = tvb:raw(), tvb:reported_len()
-    local is_cut = #bytes < there
-    local d = begin(tvb, pinfo, parent, 0, #bytes)
-
-    look_at(pinfo)
-    pinfo.cols.info:clear()
-    if #bytes < HEAD_SIZE then
-      add_raw(d, FX.synaxobj_raw, 0, #bytes)
-      pinfo.cols.info:append("Object without its head")
-      if not is_cut then
-        add_expert(d.root, EX.synax_short, "Index and operation have 3 bytes")
-      end
-    else
-      local high, low, operation = byte(bytes, 1, 3)
-
-      d.access = {index = high * 0x100 + low, operation = operation, channel = 0}
-      d.bytes = sub(bytes, HEAD_SIZE + 1)
-      d.offset, d.length = HEAD_SIZE, #d.bytes
-      dissect_named(d, is_cut)
-    end
-    if is_cut then S.show_cut(tvb, pinfo, parent, "SYNAXOBJ") end
-    return #bytes
   end
 end
 
@@ -10466,18 +10410,6 @@ do
     [0x0182] = {is_answer = true, is_write = true},
     [0x01A1] = {is_at_device = true},
     [0x01A2] = {is_write = true, is_at_device = true},
-  }
-
-  -- Keyed by error class, error code and additional code.
-  local error_texts = {
-    [0x06030000] = "no access",
-    [0x06050011] = "invalid subindex",
-    [0x06050012] = "data too long",
-    [0x06050013] = "data too short",
-    [0x06060000] = "the object is not a parameter",
-    [0x06070000] = "the object does not exist",
-    [0x08000000] = "the service cannot be executed",
-    [0x08000020] = "the service cannot be executed now",
   }
 
   local requests, links -- the last request of each kind; relations of a packet
@@ -10614,7 +10546,7 @@ do
     local class, code = byte(d.bytes, REFERENCE_END + 1, REFERENCE_END + 2)
     local additional = word_at(d, RESULT_END)
     local item = add(d.tree, FX.synaxpcp_error, d.tvb, REFERENCE_END, 4)
-    local text = error_texts[(class * 0x100 + code) * 0x10000 + additional]
+    local text = N.synaxpcp_errors[(class * 0x100 + code) * 0x10000 + additional]
     local words = strformat("Error class %d, code %d, additional 0x%04x", class, code, additional)
       .. (text and ", at ABB: " .. text or "")
 

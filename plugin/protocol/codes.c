@@ -520,6 +520,18 @@ const value_string sis_synaxpcp_services[] = {
     {0, NULL},
 };
 
+const value_string sis_synaxpcp_errors[] = {
+    {0x06030000, "no access"},
+    {0x06050011, "invalid subindex"},
+    {0x06050012, "data too long"},
+    {0x06050013, "data too short"},
+    {0x06060000, "the object is not a parameter"},
+    {0x06070000, "the object does not exist"},
+    {0x08000000, "the service cannot be executed"},
+    {0x08000020, "the service cannot be executed now"},
+    {0, NULL},
+};
+
 const value_string sis_synaxpd_directions[] = {
     {SYNAXPD_TO_PPC, "to the PPC"},
     {SYNAXPD_FROM_PPC, "from the PPC"},

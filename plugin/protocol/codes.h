@@ -235,6 +235,9 @@ extern const value_string sis_synaxobj_names[];
 /* Services of Interbus PCP, as NIBA-01 prints them. */
 extern const value_string sis_synaxpcp_services[];
 
+/* Error class, code and additional code of Interbus PCP as one number, as NIBA-01 prints them. */
+extern const value_string sis_synaxpcp_errors[];
+
 /* Directions of process data. */
 enum {
     SYNAXPD_TO_PPC = 1,

@@ -62,7 +62,7 @@ typedef struct {
 } capture_t;
 
 static const char *const names[ROAD_SYNAXPD + 1] = {
-    "sertap", "sis", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxobj", "synaxpcp", "synaxpd",
+    "sertap", "sis", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxpcp", "synaxpd",
 };
 
 static column_info columns;
