@@ -8494,7 +8494,7 @@ do
   end
 end
 
---- synax/head: the Indramat head of 6 bytes: info access, axis, parameter. ARCNET 7F has it with the low byte first
+--- rk512/head: the Indramat head of 6 bytes: info access, axis, parameter. ARCNET 7F has it with the low byte first
 -- (chapter 7), 3964R with the high byte first (chapter 8).
 
 do
@@ -8636,7 +8636,7 @@ do
   end
 end
 
---- synax/rk512i: RK512 with the Indramat extension (chapter 8): a command of 10 bytes or a follow-up of 4, with data;
+--- rk512/rk512i: RK512 with the Indramat extension (chapter 8): a command of 10 bytes or a follow-up of 4, with data;
 -- a reaction of 4 bytes, with data after FETCH. All of it has the high byte first. What does not fit into 128 bytes
 -- comes in follow-ups, and what does not fit into a data block in several: DB nn first, DB 1 last (page 8-27).
 
@@ -8963,7 +8963,7 @@ do
   end
 end
 
---- synax/3964r: 3964R, Siemens' procedure between two partners (chapter 8). STX asks to send, DLE grants; then the
+--- rk512/3964r: 3964R, Siemens' procedure between two partners (chapter 8). STX asks to send, DLE grants; then the
 -- block, every DLE in it doubled, DLE ETX and the check character BCC; DLE says that it came well, NAK that it did not.
 -- A packet is one of these: a character alone, or a block without its STX.
 
@@ -9299,7 +9299,7 @@ do
   end
 end
 
---- synax/pieces: data that do not fit into one packet, put together
+--- sis/pieces: data that do not fit into one packet, put together
 
 do
   local WHOLE = "Data of all pieces"
@@ -10891,7 +10891,7 @@ do
   end
 end
 
---- ascii/exchange: command, echo and answer of the ASCII protocol. A drive echoes each line but the one that opens it.
+--- ascii/dialogue: command, echo and answer of the ASCII protocol. A drive echoes each line but the one that opens it.
 -- Its answer ends with its prompt, or with "?" while it waits for an element of a list (MPH-02, p. 10-86 to 10-91).
 -- Between a command and its answer, the same line once more is its echo; a shared line does not show who sent it.
 
@@ -11493,8 +11493,7 @@ do
   end
 end
 
---- sis/transports: where SIS telegrams come from besides the serial tap: TCP, UDP, RTAC serial captures, a user link
--- type
+--- sis/transports: where SIS telegrams come from besides the serial tap: TCP, UDP, RTAC serial captures
 
 do
   local SIP_PORT = 35021 -- S/IP, another protocol of the same drives

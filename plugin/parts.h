@@ -24,16 +24,15 @@ void sis_transports_handoff(void);
 
 void sisascii_register(void);
 void sisascii_handoff(void);
-void sisascii_exchange_register(void);
+void sisascii_dialogue_register(void);
 
 void synax_arcnet7f_register(void);
 void synax_arcnet7f_handoff(void);
 void synax_synaxpk_register(void);
 void synax_synaxpk_handoff(void);
-void synax_pieces_register(void);
-void synax_rk512i_register(void);
-void synax_3964r_register(void);
-void synax_3964r_handoff(void);
+void rk512i_register(void);
+void rk512_3964r_register(void);
+void rk512_3964r_handoff(void);
 void synax_synaxobj_register(void);
 void synax_synaxobj_handoff(void);
 void synax_synaxpcp_register(void);

@@ -34,16 +34,15 @@ proto_register_sis(void)
     sis_exchange_register();
     sis_pieces_register();
     sis_export_register();
-    synax_pieces_register();
     synax_arcnet7f_register();
     synax_synaxpk_register();
-    synax_rk512i_register();
-    synax_3964r_register();
+    rk512i_register();
+    rk512_3964r_register();
     synax_synaxobj_register();
     synax_synaxpcp_register();
     synax_synaxpd_register();
     sisascii_register();
-    sisascii_exchange_register();
+    sisascii_dialogue_register();
     windows_characters_register();
     windows_export_register();
     windows_filters_register();
@@ -60,7 +59,7 @@ proto_reg_handoff_sis(void)
     sis_packet_handoff();
     sis_before_handoff();
     sis_transports_handoff();
-    synax_3964r_handoff();
+    rk512_3964r_handoff();
     synax_arcnet7f_handoff();
     synax_synaxpk_handoff();
     synax_synaxobj_handoff();

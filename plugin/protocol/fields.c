@@ -5,7 +5,7 @@
 
 #include "protocol/fields.h"
 
-#include "sertap/time.h"
+#include "items.h"
 
 #define MOST_PORT 65535
 
@@ -557,7 +557,7 @@ protocol_register_sis(void)
         {&hf_sis_reaction_in, {"Reaction in", "sis.reaction_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RESPONSE), 0, "The packet that answers this command", HFILL}},
         {&hf_sis_command_in, {"Command in", "sis.command_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, "The packet that this reaction answers", HFILL}},
         {&hf_sis_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known; not there if both came in one read of the tap, or the clock was set back between them. With an operator terminal BTV05, command and reaction together take 100 ms at most (chapter 10.1)", HFILL}},
-        {&hf_sis_reaction_time_ms, {"Reaction time in ms", "sis.reaction_time.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
+        {&hf_sis_reaction_time_ms, {"Reaction time in ms", "sis.reaction_time.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(format_ms), 0, "For a column of the packet list", HFILL}},
         {&hf_sis_repeat_of, {"Repeat of", "sis.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, "The packet that this command repeats, byte for byte", HFILL}},
         {&hf_sis_unanswered_before, {"Command before, not answered", "sis.unanswered_before", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's command before this one, where it went on without a reaction", HFILL}},
         {&hf_sis_next_command_in, {"Next command in", "sis.next_command_in", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's next command, where it went on without a reaction", HFILL}},
@@ -628,9 +628,9 @@ protocol_register_sis(void)
         {&hf_sis_phase_switch_in, {"Phase switch in", "sis.phase.switch_in", FT_FRAMENUM, BASE_NONE, NULL, 0, "The packet that asked for the phase switch which this poll observes", HFILL}},
         {&hf_sis_phase_switch_time, {"Time of the phase switch", "sis.phase.switch_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "From its command to the poll that ended it", HFILL}},
         {&hf_sis_silence_before, {"Silence before", "sis.silence_before", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Since the character before it on this line, arrival to arrival. An operator terminal BTV05 takes its link for lost after 200 ms of silence", HFILL}},
-        {&hf_sis_silence_before_ms, {"Silence before in ms", "sis.silence_before.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
+        {&hf_sis_silence_before_ms, {"Silence before in ms", "sis.silence_before.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(format_ms), 0, "For a column of the packet list", HFILL}},
         {&hf_sis_tza_interval_max, {"Longest interval", "sis.tza.interval_max", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Between two characters of the telegram, arrival to arrival; where they came in one read, the most it can have been", HFILL}},
-        {&hf_sis_tza_interval_max_ms, {"Longest interval in ms", "sis.tza.interval_max.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
+        {&hf_sis_tza_interval_max_ms, {"Longest interval in ms", "sis.tza.interval_max.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(format_ms), 0, "For a column of the packet list", HFILL}},
         {&hf_sis_tza_position, {"Longest interval before character", "sis.tza.position", FT_UINT16, BASE_DEC, NULL, 0, "Its number in the telegram, from 1", HFILL}},
         {&hf_sis_tza_limit, {"TzA (longest interval allowed)", "sis.tza.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "As the bus was told, or from the preference sis.tza_ms", HFILL}},
         {&hf_sis_tza_set_in, {"TzA set in", "sis.tza.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, "The packet that made this limit valid", HFILL}},

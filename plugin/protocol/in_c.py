@@ -286,7 +286,7 @@ def _register(description: Description, protocol: Protocol) -> Iterator[str]:
 def fields_c(description: Description) -> str:
     """Return fields.c."""
     lines = _made_from(SOURCES, ABOUT)
-    lines += ["", '#include "protocol/fields.h"', "", '#include "sertap/time.h"', ""]
+    lines += ["", '#include "protocol/fields.h"', "", '#include "items.h"', ""]
     lines += ["#define MOST_PORT 65535", "", *_helpers(description), ""]
     lines += [f"int proto_{protocol.key} = -1;" for protocol in description.protocols] + [""]
     lines += [f"int ett_{name} = -1;" for name in _subtrees(description.protocols)] + [""]

@@ -9,7 +9,7 @@
 #include "ascii/sisascii.h"
 #include "sis/exchange.h"
 #include "sis/names.h"
-#include "synax/rk512i.h"
+#include "rk512/rk512i.h"
 
 #define SERVICES 256
 #define KINDS    (SISASCII_END + 1)

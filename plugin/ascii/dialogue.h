@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Lines of the ASCII protocol that belong together: a command, its echo and its answer. */
 
-#ifndef ASCII_EXCHANGE_H
-#define ASCII_EXCHANGE_H
+#ifndef ASCII_DIALOGUE_H
+#define ASCII_DIALOGUE_H
 
 #include "parameters/learned.h"
 #include "protocol/codes.h"

@@ -2,8 +2,8 @@
 /* The Indramat head of 6 bytes: info access, axis, parameter. ARCNET 7F has it with the low byte first
  * (chapter 7), 3964R with the high byte first (chapter 8). */
 
-#ifndef SYNAX_HEAD_H
-#define SYNAX_HEAD_H
+#ifndef RK512_HEAD_H
+#define RK512_HEAD_H
 
 #include "parameters/parameters.h"
 
@@ -26,7 +26,7 @@ typedef struct {
 bool synax_is_parameter(uint16_t info);
 
 /* The meaning of a data block (chapters 7 and 8): 98 to 116 have one; NULL: none. */
-const char *synax_block_text(unsigned number);
+const char *rk512i_block_text(unsigned number);
 
 /* Adds the number of a data block as field `hf`, with its meaning. */
 proto_item *synax_add_block(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset);

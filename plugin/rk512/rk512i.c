@@ -3,7 +3,7 @@
  * reaction of 4 bytes, with data after FETCH. All of it has the high byte first. What does not fit into 128
  * bytes comes in follow-ups, and what does not fit into a data block in several: DB nn first, DB 1 last (page
  * 8-27). */
-#include "synax/rk512i.h"
+#include "rk512/rk512i.h"
 
 #include <epan/tap.h>
 
@@ -14,8 +14,7 @@
 #include "protocol/limits.h"
 #include "sertap/line.h"
 #include "sis/pieces.h"
-#include "synax/head.h"
-#include "synax/pieces.h"
+#include "rk512/head.h"
 
 #define COMMAND_SIZE   10u
 #define FOLLOW_UP_SIZE 4u /* of a reaction, too */
@@ -201,7 +200,7 @@ note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, int64_t b
 
 /* The job of this telegram; found in the first pass, and kept. A repeated block is ignored. */
 static const telegram_t *
-find_telegram(const dissection_t *d, const synax_block_t *block)
+find_telegram(const dissection_t *d, const rk512i_block_t *block)
 {
     telegram_t *telegram = kept_of_packet(d->pinfo, proto_rk512i, 0, sizeof *telegram);
     const sertap_record_t *record = sertap_record(d->pinfo);
@@ -272,7 +271,7 @@ check_command(const dissection_t *d, uint8_t block)
         note(d, "SYNAX has only SEND and FETCH of data blocks (page 8-24)");
         return;
     }
-    if (block > LONGEST_CHAIN && synax_block_text(block) == NULL)
+    if (block > LONGEST_CHAIN && rk512i_block_text(block) == NULL)
         note(d, "Data block that is not defined");
     if (block == SYNAX_BLOCK_IO && count > RK512_MOST_IO_WORDS)
         note(d, "Data block 99 has at most 32 words (page 8-8)");
@@ -376,8 +375,8 @@ show_piece(const dissection_t *d)
     proto_tree_add_item(d->tree, hf_rk512i_data, d->tvb, d->data_at, length, ENC_NA);
     wmem_strbuf_append_printf(d->words, ", %s of %u bytes", telegram->is_last ? "last piece" : "piece",
                               length);
-    whole = synax_put_together(d->tree, d->pinfo, tvb_new_subset_remaining(d->tvb, d->data_at),
-                               telegram->job->number, telegram->is_last);
+    whole = sis_put_next(d->tree, d->pinfo, tvb_new_subset_remaining(d->tvb, d->data_at),
+                         telegram->job->number, telegram->is_last);
     if (whole != NULL)
         show_whole(
             d, proto_tree_add_subtree(d->tree, whole, 0, -1, ett_rk512i_whole, NULL, "Data of all pieces"),
@@ -460,7 +459,7 @@ looks_like_rk512(tvbuff_t *tvb)
 }
 
 bool
-synax_rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data)
+rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data)
 {
     dissection_t d = {.tvb = tvb, .pinfo = pinfo, .words = wmem_strbuf_new(pinfo->pool, "")};
 
@@ -496,14 +495,14 @@ dissect_rk512i(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
 
     col_clear(pinfo->cinfo, COL_INFO);
     tvb_ensure_bytes_exist(tvb, 0, (int)MIN(there, FOLLOW_UP_SIZE));
-    if (!synax_rk512i_dissect(tvb, pinfo, parent, data))
+    if (!rk512i_dissect(tvb, pinfo, parent, data))
         return 0;
     tvb_ensure_bytes_exist(tvb, 0, (int)there); /* throws where the capture has cut it */
     return tvb_captured_length(tvb);
 }
 
 void
-synax_rk512i_register(void)
+rk512i_register(void)
 {
     buses = kept_map_of_numbers();
     rk512i_tap = register_tap("rk512i");

@@ -11,7 +11,7 @@
 #include "protocol/limits.h"
 #include "sertap/line.h"
 #include "sis/times.h"
-#include "synax/rk512i.h"
+#include "rk512/rk512i.h"
 
 #define ETX 0x03
 
@@ -367,9 +367,9 @@ static void
 show_data(tvbuff_t *data, packet_info *pinfo, proto_tree *parent, proto_tree *tree, const unit_t *unit,
           bool is_good)
 {
-    synax_block_t block = {unit->repeat_of != 0};
+    rk512i_block_t block = {unit->repeat_of != 0};
 
-    if (is_good && synax_rk512i_dissect(data, pinfo, parent, &block))
+    if (is_good && rk512i_dissect(data, pinfo, parent, &block))
         return;
     if (tvb_captured_length(data) > 0)
         proto_tree_add_item(tree, hf_3964r_data, data, 0, -1, ENC_NA);
@@ -455,14 +455,14 @@ dissect_3964r(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data 
 }
 
 void
-synax_3964r_register(void)
+rk512_3964r_register(void)
 {
     buses = kept_map_of_numbers();
     register_dissector("3964r", dissect_3964r, proto_3964r);
 }
 
 void
-synax_3964r_handoff(void)
+rk512_3964r_handoff(void)
 {
     dissector_add_uint("sertap.framing", 1, find_dissector("3964r"));
 }

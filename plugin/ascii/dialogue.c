@@ -4,7 +4,7 @@
  * 10-91). Between a command and its answer, the same line once more is its echo; a shared line does not show
  * who sent it. */
 
-#include "ascii/exchange.h"
+#include "ascii/dialogue.h"
 
 #include <epan/proto_data.h>
 
@@ -405,7 +405,7 @@ sisascii_find(packet_info *pinfo, const sisascii_said_t *said, const sis_times_t
 }
 
 void
-sisascii_exchange_register(void)
+sisascii_dialogue_register(void)
 {
     buses = kept_map_of_numbers();
 }

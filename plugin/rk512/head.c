@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The Indramat head: info access (2 bytes), axis, type of parameter, parameter (2 bytes). Page 8-15, and 7-14
  * for ARCNET. */
-#include "synax/head.h"
+#include "rk512/head.h"
 
 #include "parameters/ident.h"
 #include "parameters/values.h"
@@ -14,7 +14,7 @@
 #define CONFIGURATION 58 /* C-0-0058 configures data block 101 (pages 7-16 and 8-11) */
 
 const char *
-synax_block_text(unsigned number)
+rk512i_block_text(unsigned number)
 {
     static const value_string blocks[] = {{98, "cancel a transmission with follow-ups"},
                                           {SYNAX_BLOCK_IO, "inputs and outputs of the PPC"},
@@ -32,8 +32,8 @@ synax_add_block(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset)
     unsigned number = compat_get_uint8(tvb, offset);
     proto_item *item = proto_tree_add_item(tree, hf, tvb, offset, 1, ENC_NA);
 
-    if (synax_block_text(number) != NULL)
-        proto_item_append_text(item, " (%s)", synax_block_text(number));
+    if (rk512i_block_text(number) != NULL)
+        proto_item_append_text(item, " (%s)", rk512i_block_text(number));
     if (number >= FIRST_BY_LIST && number <= LAST_BY_LIST)
         proto_item_append_text(item, ", by C-0-%04d", number - FIRST_BY_LIST + CONFIGURATION);
     return item;
