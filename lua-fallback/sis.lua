@@ -1027,6 +1027,51 @@ N.errors_ascii = {
   [0x9006] = "Neither r nor w",
   [0x9007] = "Wrong character in the data",
 }
+
+-- Names of parameters of axes (kind A, set 0), from SYNAX' interface manual.
+N.parameters_a = {
+  [4] = "Additive position command value, target value",
+  [56] = "Set-up position 0",
+  [60] = "Fine adjustment",
+}
+
+-- Names of parameters of the control (kind C, set 0), from SYNAX' interface manual. Of C-0-0188 the rest is cut off.
+N.parameters_c = {
+  [1] = "Switch-on delay time",
+  [29] = "Jogging time constant",
+  [33] = "Host communication, control word",
+  [46] = "General diagnostic flag",
+  [57] = "Error number of the serial interface",
+  [58] = "Configuration list of data block 101",
+  [59] = "Configuration list of data block 102",
+  [60] = "Configuration list of data block 103",
+  [61] = "Configuration list of data block 104",
+  [62] = "Configuration list of data block 105",
+  [63] = "Configuration list of data block 106",
+  [64] = "Configuration list of data block 107",
+  [65] = "Configuration list of data block 108",
+  [66] = "Master axis, position feedback value",
+  [124] = "Timeout of the service channel",
+  [125] = "Fieldbus address",
+  [127] = "Fieldbus/Ethernet 1, configuration list of the process input data",
+  [129] = "Fieldbus control bits",
+  [157] = "Data blocks, ident numbers of the configurable S and P parameters",
+  [188] = "Ethernet 2, configuration list",
+  [193] = "PPC, standard gateway",
+  [194] = "PPC, UDP ports",
+  [197] = "End of the static part of a configuration list",
+  [198] = "End of a multiplex level of a configuration list",
+}
+
+-- Data blocks of SYNAX200 that have a meaning of their own (chapters 7 and 8).
+K.SYNAX_BLOCK_IO = 99
+K.SYNAX_BLOCK_MODE = 100
+N.synax_blocks = {
+  {98, 98, "cancel a transmission with follow-ups"},
+  {99, 99, "inputs and outputs of the PPC"},
+  {100, 100, "mode of the PPC"},
+  {101, 116, "freely configured"},
+}
 -- end of codes
 
 --- limits: made by plugin/protocol/generate.py from limits.toml; edit there
@@ -6307,37 +6352,9 @@ do
 
   local types = {S = 0, P = 0, A = 1, C = 2}
 
-  -- Kind, number in set 0, name, and the unit where it is said; from the SIS definition and SYNAX' interface manual. No
-  -- P parameters: what these are depends on the device. No S parameters: their names are above.
-  local built_in = {
-    {"A", 4, "Additive position command value, target value", "deg"},
-    {"A", 56, "Set-up position 0"},
-    {"A", 60, "Fine adjustment"},
-    {"C", 1, "Switch-on delay time", "ms"},
-    {"C", 29, "Jogging time constant"},
-    {"C", 33, "Host communication, control word"},
-    {"C", 46, "General diagnostic flag"},
-    {"C", 57, "Error number of the serial interface"},
-    {"C", 58, "Configuration list of data block 101"},
-    {"C", 59, "Configuration list of data block 102"},
-    {"C", 60, "Configuration list of data block 103"},
-    {"C", 61, "Configuration list of data block 104"},
-    {"C", 62, "Configuration list of data block 105"},
-    {"C", 63, "Configuration list of data block 106"},
-    {"C", 64, "Configuration list of data block 107"},
-    {"C", 65, "Configuration list of data block 108"},
-    {"C", 66, "Master axis, position feedback value"},
-    {"C", 124, "Timeout of the service channel"},
-    {"C", 125, "Fieldbus address"},
-    {"C", 127, "Fieldbus/Ethernet 1, configuration list of the process input data"},
-    {"C", 129, "Fieldbus control bits"},
-    {"C", 157, "Data blocks, ident numbers of the configurable S and P parameters"},
-    {"C", 188, "Ethernet 2, configuration list"},
-    {"C", 193, "PPC, standard gateway"},
-    {"C", 194, "PPC, UDP ports"},
-    {"C", 197, "End of the static part of a configuration list"},
-    {"C", 198, "End of a multiplex level of a configuration list"},
-  }
+  -- Names of set 0, and the parameter whose unit is said. No P parameters: what these are depends on the device. No S
+  -- parameters: their names are above.
+  local built_in = {{"A", N.parameters_a, 4, "deg"}, {"C", N.parameters_c, 1, "ms"}}
 
   -- "S-0-0044", "P-2-0012", "A-0-0004", "C-0-0066", "type3-0-0066", "S-0-0390.0.136".
   local function ident_text(kind, word, structure)
@@ -6388,15 +6405,17 @@ do
   for number, name in pairs(N.s_names) do
     by_key[ident_key(types.S, number, 0)] = {name = name, name_from = K.FROM_STANDARD}
   end
-  for _, row in ipairs(built_in) do
-    local kind, number, name, unit = unpack(row)
+  for _, each in ipairs(built_in) do
+    for number, name in pairs(each[2]) do
+      local unit = number == each[3] and each[4] or nil
 
-    by_key[ident_key(types[kind], number, 0)] = {
-      name = name,
-      name_from = K.BUILT_IN,
-      unit = unit,
-      unit_from = unit and K.BUILT_IN,
-    }
+      by_key[ident_key(types[each[1]], number, 0)] = {
+        name = name,
+        name_from = K.BUILT_IN,
+        unit = unit,
+        unit_from = unit and K.BUILT_IN,
+      }
+    end
   end
 
   local nothing = {}
@@ -8504,18 +8523,9 @@ do
   local CONFIGURATION = 58 -- C-0-0058 configures data block 101 (pages 7-16 and 8-11)
 
   K.HEAD_SIZE = 6
-  K.BLOCK_IO, K.BLOCK_MODE = 99, 100 -- data blocks whose words are shown (chapters 7 and 8)
-
-  local blocks = {
-    [98] = "cancel a transmission with follow-ups",
-    [K.BLOCK_IO] = "inputs and outputs of the PPC",
-    [K.BLOCK_MODE] = "mode of the PPC",
-  }
-
   -- Data blocks that have a meaning of their own: 98 to 116; nil: none.
   function S.block_text(number)
-    if number >= 101 and number <= 116 then return "freely configured" end
-    return blocks[number]
+    return (range_text(number, N.synax_blocks))
   end
 
   -- Adds the number of a data block, with its meaning.
@@ -8532,11 +8542,11 @@ do
 
   -- Adds the words of data block 99 or 100, from `offset` up to `stop`. Of other blocks nothing is known.
   function S.add_block_words(tree, root, which, tvb, offset, stop, block, is_big)
-    if block ~= K.BLOCK_IO and block ~= K.BLOCK_MODE then return end
+    if block ~= K.SYNAX_BLOCK_IO and block ~= K.SYNAX_BLOCK_MODE then return end
     for at = offset, stop - 2, 2 do
       (is_big and add or add_le)(tree, which, tvb, at, 2)
     end
-    if block == K.BLOCK_MODE then
+    if block == K.SYNAX_BLOCK_MODE then
       add_expert(tree or root, EX.synax_note, "No document says which value is which mode")
     end
   end
@@ -8798,10 +8808,10 @@ do
       return
     end
     if block > LONGEST_CHAIN and not S.block_text(block) then note(d, "Data block that is not defined") end
-    if block == K.BLOCK_IO and count > K.RK512_MOST_IO_WORDS then
+    if block == K.SYNAX_BLOCK_IO and count > K.RK512_MOST_IO_WORDS then
       note(d, "Data block 99 has at most 32 words (page 8-8)")
     end
-    if block == K.BLOCK_MODE and count ~= 1 then note(d, "Data block 100 has one word (page 8-10)") end
+    if block == K.SYNAX_BLOCK_MODE and count ~= 1 then note(d, "Data block 100 has one word (page 8-10)") end
     if byte(d.bytes, 6) ~= 0 then note(d, "Only whole data blocks can be accessed (page 8-7)") end
   end
 
@@ -9563,7 +9573,7 @@ do
     if t.end_ > HEAD then add(t.tree, F.data, t.tvb, HEAD, t.end_ - HEAD) end
     if t.whole == HEAD then return end
     S.add_block_words(t.tree, t.root, FX.arcnet7f_word, t.tvb, HEAD, t.end_, block, false)
-    if block == K.BLOCK_MODE and t.whole - HEAD > 2 then
+    if block == K.SYNAX_BLOCK_MODE and t.whole - HEAD > 2 then
       mark(t, nil, EX.synax_note, "Data block 100 has one word (page 7-15)")
     end
     say_bytes(t, t.whole - HEAD)

@@ -285,4 +285,18 @@ extern const value_string sis_ascii_kinds[];
  * services. */
 extern const value_string sis_errors_ascii[];
 
+/* Names of parameters of axes (kind A, set 0), from SYNAX' interface manual. */
+extern const value_string sis_parameters_a[];
+
+/* Names of parameters of the control (kind C, set 0), from SYNAX' interface manual. Of C-0-0188 the rest
+ * is cut off. */
+extern const value_string sis_parameters_c[];
+
+/* Data blocks of SYNAX200 that have a meaning of their own (chapters 7 and 8). */
+enum {
+    SYNAX_BLOCK_IO = 99,
+    SYNAX_BLOCK_MODE = 100,
+};
+extern const range_string sis_synax_blocks[];
+
 #endif

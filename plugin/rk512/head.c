@@ -14,16 +14,9 @@
 #define CONFIGURATION 58 /* C-0-0058 configures data block 101 (pages 7-16 and 8-11) */
 
 const char *
-rk512i_block_text(unsigned number)
+synax_block_text(unsigned number)
 {
-    static const value_string blocks[] = {{98, "cancel a transmission with follow-ups"},
-                                          {SYNAX_BLOCK_IO, "inputs and outputs of the PPC"},
-                                          {SYNAX_BLOCK_MODE, "mode of the PPC"},
-                                          {0, NULL}};
-
-    if (number >= 101 && number <= 116)
-        return "freely configured";
-    return try_val_to_str(number, blocks);
+    return try_rval_to_str(number, sis_synax_blocks);
 }
 
 proto_item *
@@ -32,8 +25,8 @@ synax_add_block(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset)
     unsigned number = compat_get_uint8(tvb, offset);
     proto_item *item = proto_tree_add_item(tree, hf, tvb, offset, 1, ENC_NA);
 
-    if (rk512i_block_text(number) != NULL)
-        proto_item_append_text(item, " (%s)", rk512i_block_text(number));
+    if (synax_block_text(number) != NULL)
+        proto_item_append_text(item, " (%s)", synax_block_text(number));
     if (number >= FIRST_BY_LIST && number <= LAST_BY_LIST)
         proto_item_append_text(item, ", by C-0-%04d", number - FIRST_BY_LIST + CONFIGURATION);
     return item;

@@ -9,10 +9,6 @@
 
 #define SYNAX_HEAD_SIZE 6u
 
-/* Data blocks whose words are shown (chapters 7 and 8). */
-#define SYNAX_BLOCK_IO   99
-#define SYNAX_BLOCK_MODE 100
-
 typedef struct {
     uint16_t info;
     bool is_parameter; /* else only the info access is known */
@@ -26,7 +22,7 @@ typedef struct {
 bool synax_is_parameter(uint16_t info);
 
 /* The meaning of a data block (chapters 7 and 8): 98 to 116 have one; NULL: none. */
-const char *rk512i_block_text(unsigned number);
+const char *synax_block_text(unsigned number);
 
 /* Adds the number of a data block as field `hf`, with its meaning. */
 proto_item *synax_add_block(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset);

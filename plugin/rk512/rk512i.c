@@ -271,7 +271,7 @@ check_command(const dissection_t *d, uint8_t block)
         note(d, "SYNAX has only SEND and FETCH of data blocks (page 8-24)");
         return;
     }
-    if (block > LONGEST_CHAIN && rk512i_block_text(block) == NULL)
+    if (block > LONGEST_CHAIN && synax_block_text(block) == NULL)
         note(d, "Data block that is not defined");
     if (block == SYNAX_BLOCK_IO && count > RK512_MOST_IO_WORDS)
         note(d, "Data block 99 has at most 32 words (page 8-8)");

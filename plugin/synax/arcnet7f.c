@@ -338,7 +338,7 @@ static void
 add_block(telegram_t *t)
 {
     uint8_t block = compat_get_uint8(t->tvb, BLOCK_AT);
-    const char *text = rk512i_block_text(block),
+    const char *text = synax_block_text(block),
                *access = compat_get_uint8(t->tvb, SHORT_HEAD) & 1 ? "Write" : "Read";
     proto_item *item;
 
