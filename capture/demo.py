@@ -20,8 +20,7 @@ CAPTURE = Path(__file__).parent.parent / "build" / "demo.pcapng"
 SECONDS = 6
 PACKETS = 60
 STATISTICS = (
-    ("sis,bus", "Who talked how much, and what went wrong"),
-    ("sis,tza", "The intervals between characters, against the limit TzA that was set on the bus"),
+    ("sis,tree", "Who talked how much, and what went wrong"),
     ("sis,srt", "How fast the drives react, in seconds"),
 )
 UNRESOLVED = "sis.tza.verdict == 2 || sis.trs.verdict == 2 || sis.tmas.verdict == 2"

@@ -45,13 +45,6 @@ sis.prefs.tza_from = Pref.enum("TzA counts from", 0,
   {"end", "The end of the character before: the pause alone", 1},
   {"start", "The start of the character before: the whole interval", 2}}, false)
 sis.prefs.trs_ms = Pref.uint("TrS in ms", 0, "Longest reaction time allowed; 0: as the bus was told")
-sis.prefs.dlt_user = Pref.enum("Decode a user link type as SIS", -1,
-  "Captures of this link type hold bare telegrams. Goes before the table of protocol DLT_USER while it is set",
-  {{"off", "Off", -1}, {"user0", "USER0 (147)", 0}, {"user1", "USER1 (148)", 1}, {"user2", "USER2 (149)", 2},
-  {"user3", "USER3 (150)", 3}, {"user4", "USER4 (151)", 4}, {"user5", "USER5 (152)", 5}, {"user6", "USER6 (153)", 6},
-  {"user7", "USER7 (154)", 7}, {"user8", "USER8 (155)", 8}, {"user9", "USER9 (156)", 9},
-  {"user10", "USER10 (157)", 10}, {"user11", "USER11 (158)", 11}, {"user12", "USER12 (159)", 12},
-  {"user13", "USER13 (160)", 13}, {"user14", "USER14 (161)", 14}, {"user15", "USER15 (162)", 15}}, false)
 sis.prefs.tcp_heuristic = Pref.bool("Recognize SIS on any TCP port", true,
   "Where a segment starts with a whole telegram: equal lengths, right checksum; or with a command of "
     .. "the ASCII protocol")
@@ -83,8 +76,8 @@ local protos = {["sertap"] = sertap, ["sis"] = sis, ["3964r"] = p3964r, ["rk512i
   ["synax"] = synax, ["synaxpk"] = synaxpk, ["synaxobj"] = synaxobj, ["synaxpcp"] = synaxpcp, ["synaxpd"] = synaxpd,
   ["sisascii"] = sisascii} -- by filter name
 
-local P = {edition = 0, clc_as_sercos = false, ecodrive_phases = false, tza_ms = 0, tza_from = 0, trs_ms = 0, dlt_user
-  = -1, tcp_heuristic = true, udp_heuristic = false} -- values of the preferences of sis
+local P = {edition = 0, clc_as_sercos = false, ecodrive_phases = false, tza_ms = 0, tza_from = 0, trs_ms = 0,
+  tcp_heuristic = true, udp_heuristic = false} -- values of the preferences of sis
 -- end of protocols
 
 -- Functions shared by blocks, with their names in the C headers: S.take for sis_take(), T.load for sertap_load().
@@ -939,6 +932,18 @@ N.synaxpcp_services = {
   [0x01AD] = "Abort indication",
 }
 
+-- Error class, code and additional code of Interbus PCP as one number, as NIBA-01 prints them.
+N.synaxpcp_errors = {
+  [0x06030000] = "no access",
+  [0x06050011] = "invalid subindex",
+  [0x06050012] = "data too long",
+  [0x06050013] = "data too short",
+  [0x06060000] = "the object is not a parameter",
+  [0x06070000] = "the object does not exist",
+  [0x08000000] = "the service cannot be executed",
+  [0x08000020] = "the service cannot be executed now",
+}
+
 -- Directions of process data.
 K.SYNAXPD_TO_PPC = 1
 K.SYNAXPD_FROM_PPC = 2
@@ -1022,6 +1027,51 @@ N.errors_ascii = {
   [0x9006] = "Neither r nor w",
   [0x9007] = "Wrong character in the data",
 }
+
+-- Names of parameters of axes (kind A, set 0), from SYNAX' interface manual.
+N.parameters_a = {
+  [4] = "Additive position command value, target value",
+  [56] = "Set-up position 0",
+  [60] = "Fine adjustment",
+}
+
+-- Names of parameters of the control (kind C, set 0), from SYNAX' interface manual. Of C-0-0188 the rest is cut off.
+N.parameters_c = {
+  [1] = "Switch-on delay time",
+  [29] = "Jogging time constant",
+  [33] = "Host communication, control word",
+  [46] = "General diagnostic flag",
+  [57] = "Error number of the serial interface",
+  [58] = "Configuration list of data block 101",
+  [59] = "Configuration list of data block 102",
+  [60] = "Configuration list of data block 103",
+  [61] = "Configuration list of data block 104",
+  [62] = "Configuration list of data block 105",
+  [63] = "Configuration list of data block 106",
+  [64] = "Configuration list of data block 107",
+  [65] = "Configuration list of data block 108",
+  [66] = "Master axis, position feedback value",
+  [124] = "Timeout of the service channel",
+  [125] = "Fieldbus address",
+  [127] = "Fieldbus/Ethernet 1, configuration list of the process input data",
+  [129] = "Fieldbus control bits",
+  [157] = "Data blocks, ident numbers of the configurable S and P parameters",
+  [188] = "Ethernet 2, configuration list",
+  [193] = "PPC, standard gateway",
+  [194] = "PPC, UDP ports",
+  [197] = "End of the static part of a configuration list",
+  [198] = "End of a multiplex level of a configuration list",
+}
+
+-- Data blocks of SYNAX200 that have a meaning of their own (chapters 7 and 8).
+K.SYNAX_BLOCK_IO = 99
+K.SYNAX_BLOCK_MODE = 100
+N.synax_blocks = {
+  {98, 98, "cancel a transmission with follow-ups"},
+  {99, 99, "inputs and outputs of the PPC"},
+  {100, 100, "mode of the PPC"},
+  {101, 116, "freely configured"},
+}
 -- end of codes
 
 --- limits: made by plugin/protocol/generate.py from limits.toml; edit there
@@ -1041,9 +1091,6 @@ K.MOST_LIST = 65535
 
 -- Devices of one type that are asked for an attribute. More would say the same.
 K.MOST_TWINS = 8
-
--- Rows of the table of accesses below the first. Accesses without a row are still counted in the first.
-K.MOST_ROWS = 10000
 
 -- Elements of a list in the text of its value.
 K.SHOWN_IN_LIST = 4
@@ -3000,7 +3047,6 @@ do
     end
     if can_be_read then
       read_record(record, tvb, bytes, there)
-      if S.is_counting then S.note_record(record) end
       dissect_record(tvb, pinfo, parent, tree, root, record)
       if #bytes < there and not is_payload_cut(record) then S.show_cut(tvb, pinfo, parent, "SERTAP") end
     elseif is_cut then
@@ -6237,37 +6283,9 @@ do
 
   local types = {S = 0, P = 0, A = 1, C = 2}
 
-  -- Kind, number in set 0, name, and the unit where it is said; from the SIS definition and SYNAX' interface manual. No
-  -- P parameters: what these are depends on the device. No S parameters: their names are above.
-  local built_in = {
-    {"A", 4, "Additive position command value, target value", "deg"},
-    {"A", 56, "Set-up position 0"},
-    {"A", 60, "Fine adjustment"},
-    {"C", 1, "Switch-on delay time", "ms"},
-    {"C", 29, "Jogging time constant"},
-    {"C", 33, "Host communication, control word"},
-    {"C", 46, "General diagnostic flag"},
-    {"C", 57, "Error number of the serial interface"},
-    {"C", 58, "Configuration list of data block 101"},
-    {"C", 59, "Configuration list of data block 102"},
-    {"C", 60, "Configuration list of data block 103"},
-    {"C", 61, "Configuration list of data block 104"},
-    {"C", 62, "Configuration list of data block 105"},
-    {"C", 63, "Configuration list of data block 106"},
-    {"C", 64, "Configuration list of data block 107"},
-    {"C", 65, "Configuration list of data block 108"},
-    {"C", 66, "Master axis, position feedback value"},
-    {"C", 124, "Timeout of the service channel"},
-    {"C", 125, "Fieldbus address"},
-    {"C", 127, "Fieldbus/Ethernet 1, configuration list of the process input data"},
-    {"C", 129, "Fieldbus control bits"},
-    {"C", 157, "Data blocks, ident numbers of the configurable S and P parameters"},
-    {"C", 188, "Ethernet 2, configuration list"},
-    {"C", 193, "PPC, standard gateway"},
-    {"C", 194, "PPC, UDP ports"},
-    {"C", 197, "End of the static part of a configuration list"},
-    {"C", 198, "End of a multiplex level of a configuration list"},
-  }
+  -- Names of set 0, and the parameter whose unit is said. No P parameters: what these are depends on the device. No S
+  -- parameters: their names are above.
+  local built_in = {{"A", N.parameters_a, 4, "deg"}, {"C", N.parameters_c, 1, "ms"}}
 
   -- "S-0-0044", "P-2-0012", "A-0-0004", "C-0-0066", "type3-0-0066", "S-0-0390.0.136".
   local function ident_text(kind, word, structure)
@@ -6318,15 +6336,17 @@ do
   for number, name in pairs(N.s_names) do
     by_key[ident_key(types.S, number, 0)] = {name = name, name_from = K.FROM_STANDARD}
   end
-  for _, row in ipairs(built_in) do
-    local kind, number, name, unit = unpack(row)
+  for _, each in ipairs(built_in) do
+    for number, name in pairs(each[2]) do
+      local unit = number == each[3] and each[4] or nil
 
-    by_key[ident_key(types[kind], number, 0)] = {
-      name = name,
-      name_from = K.BUILT_IN,
-      unit = unit,
-      unit_from = unit and K.BUILT_IN,
-    }
+      by_key[ident_key(types[each[1]], number, 0)] = {
+        name = name,
+        name_from = K.BUILT_IN,
+        unit = unit,
+        unit_from = unit and K.BUILT_IN,
+      }
+    end
   end
 
   local nothing = {}
@@ -7047,14 +7067,14 @@ do
 end
 
 --- sis/access: what was read and written: an access to the operating data of a parameter, told by the reaction to it.
--- Nothing is made unless statistics are counted, or somebody asks for the field.
+-- Nothing is made unless somebody asks for the field.
 
 do
   local SHOWN_BYTES, SHOWN_CHARACTERS = 16, 80
 
-  -- Whether statistics are counted, or somebody wants the field in this tree.
+  -- Whether somebody wants the field in this tree.
   function S.is_access_wanted(tree)
-    return S.is_counting or (tree and tree:referenced(F.access))
+    return tree and tree:referenced(F.access)
   end
 
   -- A reaction that comes twice is counted once.
@@ -7127,8 +7147,7 @@ do
   end
 
   function S.tell_access(access, tvb, tree)
-    if S.is_counting then S.note_access(access) end
-    if tree and tree:referenced(F.access) then add(tree, F.access, tvb, 0, 0, json_text(access)):set_hidden() end
+    add(tree, F.access, tvb, 0, 0, json_text(access)):set_hidden()
   end
 
   local function note(body, is_write, error_text, bytes)
@@ -7136,7 +7155,6 @@ do
     local access = {
       is_write = is_write,
       error = error_text, -- of a refused access
-      line = from.stream.bus.number,
       master = body.ends.listener,
       station = place_text(from.path),
       device = asked.device,
@@ -8290,52 +8308,34 @@ do
   end
 end
 
---- sis/statistics, sis/tables: the figures of the plugin's `-z sis,tree`, `sis,tza` and so on. They are
--- printed where the preference sis.statistics names them: tshark -q -o sis.statistics:tree,bus. In Wireshark they are
+--- windows/telegrams, windows/response-times: the figures of the plugin's `-z sis,tree` and `sis,srt`. They are
+-- printed where the preference sis.statistics names them: tshark -q -o sis.statistics:tree,srt. In Wireshark they are
 -- windows of the menu Statistics.
 
 do
   local MS = 1000000 -- in ns
   local CYCLE, SILENCE = 100 * MS, 200 * MS -- of an operator terminal (chapter 10.1)
-  local BINS_MS = {1, 2, 5, 10, 20, 50, math.huge} -- of intervals: each up to so many ms
-  local ALL = "All"
   local LINE_ERRORS = K.SERTAP_ERROR_CHARACTER + K.SERTAP_ERROR_BREAK + K.SERTAP_ERROR_LOST + K.SERTAP_ERROR_UNLOCATED
-  local NOT_MEASURED = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_ERROR_LOST
 
   sis.prefs.statistics = Pref.string("Statistics that tshark prints", "",
-    "Of tree, tza, bus, srt and parameters, with commas between them: tshark -q -o sis.statistics:tree,bus")
+    "tree or srt, or both with a comma between them: tshark -q -o sis.statistics:tree,srt")
   P.statistics = ""
 
-  -- The packet being dissected, until it is counted: {record, telegrams, accesses}. A telegram: {is_good, is_reaction,
-  -- service, talker, length, there, status_text, errors, times: {record, first, count, begin, end_}, timing, exchange,
-  -- reaction_time}.
+  -- The packet being dissected, until it is counted: {number, telegrams}. A telegram: {is_good, is_reaction, service,
+  -- talker, status_text, errors, times: {record, first, count, end_}, timing, exchange, reaction_time}.
   local noted = {}
 
-  local function note(number)
-    if noted.number ~= number then
-      noted = {number = number, telegrams = {}, accesses = {}, interface = select(2, S.place())}
-    end
-    return noted
-  end
-
-  -- While counting: a record of characters, or another kind.
-  function S.note_record(record)
-    if record.type ~= K.SERTAP_EVENT then note(packet.number).record = record end
-  end
-
-  function S.note_access(access) table.insert(note(packet.number).accesses, access) end
-
+  -- While counting.
   function S.note_telegram(body, record)
     local telegram, times, errors = body.telegram, body.telegram.times, body.errors or {}
 
     if body.error_text then errors[#errors + 1] = strformat("0x%04x %s", body.error, body.error_text) end
-    table.insert(note(packet.number).telegrams, {
+    if noted.number ~= packet.number then noted = {number = packet.number, telegrams = {}} end
+    table.insert(noted.telegrams, {
       is_good = telegram.is_good,
       is_reaction = telegram.is_reaction,
       service = telegram.service,
       talker = body.ends.talker,
-      length = telegram.length,
-      there = body.there, -- and what follows it
       status_text = body.status_text,
       errors = errors,
       times = {record = times.record, first = times.first, count = times.count, begin = times.begin, end_ = times.end_,
@@ -8347,34 +8347,17 @@ do
     })
   end
 
-  local function ms_text(ns)
-    return T.decimal_text(floor((ns + 500) / 1000), 1, 3)
-  end
-
-  local function each_line(rows, format_row)
-    local stations = {}
-
-    for station in pairs(rows) do
-      if station ~= ALL then stations[#stations + 1] = station end
-    end
-    table.sort(stations)
-    local lines = {format_row(ALL, rows[ALL])}
-
-    for _, station in ipairs(stations) do
-      lines[#lines + 1] = format_row(strformat("%3d", station), rows[station])
-    end
-    return concat(lines, "\n")
-  end
-
-  -- Each kind of statistics: {title, new: makes the sums, count(sum, noted, number of the packet), text(sum)}.
+  -- Each kind of statistics: {title, new: makes the sums, count(sum, telegram), text(sum)}.
   local kinds = {}
 
   -- Counts below counts: {count, name, below: by name}.
-  local function tick(node, name)
+  local function count(node, name, by)
     node.below[name] = node.below[name] or {name = name, count = 0, below = {}}
-    node.below[name].count = node.below[name].count + 1
+    node.below[name].count = node.below[name].count + by
     return node.below[name]
   end
+
+  local function tick(node, name) return count(node, name, 1) end
 
   local function tree_lines(node, indent, lines)
     local below = {}
@@ -8390,278 +8373,62 @@ do
     return lines
   end
 
-  kinds.tree = {
-    title = "SIS telegrams",
-    new = function() return {below = {}} end,
-    count = function(root, of_packet)
-      for _, telegram in ipairs(of_packet.telegrams) do
-        local all = tick(root, "Telegrams")
-
-        if telegram.is_good then
-          tick(tick(tick(all, "By service"), S.service_name(telegram.service)),
-            telegram.is_reaction and "Reaction" or "Command")
-          tick(tick(all, "By talker"), strformat("%d", telegram.talker))
-          if telegram.status_text then tick(tick(all, "Reactions by status"), telegram.status_text) end
-          for _, text in ipairs(telegram.errors) do
-            tick(tick(all, "Errors"), text)
-          end
-        else
-          tick(all, "Damaged")
-        end
-      end
-    end,
-    text = function(root) return concat(tree_lines(root, 0, {}), "\n") end,
-  }
-
-  -- Quantiles: those of few intervals are exact. Those of more are from a histogram with 32 buckets for each doubling.
-  local FEW = 4096
-
-  local function bucket_of(ns)
-    local octave = 0
-
-    if ns < 32 then return ns end
-    while ns / 2 ^ octave >= 64 do
-      octave = octave + 1
+  local function count_line_errors(station, times)
+    if not times.record or band(times.record.flags, LINE_ERRORS) == 0 then return end
+    for at = times.first, times.first + times.count - 1 do
+      if band(T.flags_of(times.record, at), LINE_ERRORS) ~= 0 then tick(station, "Characters with line errors") end
     end
-    return octave * 32 + floor(ns / 2 ^ octave)
   end
 
-  local function end_of_bucket(bucket)
-    local octave, rest = floor(bucket / 32), bucket % 32
-
-    if octave == 0 then return bucket end
-    return (rest + 33) * 2 ^ (octave - 1) - 1
+  local function station_of(all, number, telegrams)
+    return count(count(all, "By station", telegrams), strformat("Station %d", number), telegrams)
   end
 
-  -- An interval as long as can be stored may have been longer.
-  local function bound_text(ns)
-    return (ns == K.LONGEST_INTERVAL and ">" or "") .. ms_text(ns)
-  end
+  -- What a station said, and which limits it did not keep.
+  local function count_talker(all, telegram)
+    local station, timing, times = station_of(all, telegram.talker, 1), telegram.timing, telegram.times
+    local exchange, interval = telegram.exchange, timing.longest and timing.longest.interval
+    local tza = timing.tza > 0 and timing.longest and timing.longest.verdict
 
-  local function quantile_text(row, percent)
-    local wanted, passed, bucket = floor((percent * row.exact + 99) / 100), 0, -1
-
-    if row.exact == 0 then return "" end
-    if row.exact <= FEW then
-      table.sort(row.few)
-      return bound_text(row.few[wanted])
-    end
-    while passed < wanted do
-      bucket = bucket + 1
-      passed = passed + (row.buckets[bucket] or 0)
-    end
-    return bound_text(min(end_of_bucket(bucket), row.largest))
-  end
-
-  local function new_intervals()
-    return {telegrams = 0, characters = 0, exceeded = 0, unresolved = 0, one_read = 0, bins = {0, 0, 0, 0, 0, 0, 0},
-      few = {}, buckets = {}, exact = 0, largest = 0, longest = nil}
-  end
-
-  local function is_same_read(times, character)
-    return character < times.count and band(T.flags_of(times.record, times.first + character), K.SERTAP_SAME_READ) ~= 0
-  end
-
-  local function count_interval(row, times, character)
-    local at, bin = times.first + character, 1
-
-    if band(T.flags_of(times.record, at), NOT_MEASURED) ~= 0 then return end
-    if is_same_read(times, character) then
-      row.one_read = row.one_read + 1
-      return
-    end
-    if is_same_read(times, character - 1) or is_same_read(times, character + 1) then return end
-    local ns = T.interval_of(times.record, at)
-    local bucket = bucket_of(ns)
-
-    while ns >= BINS_MS[bin] * MS do
-      bin = bin + 1
-    end
-    row.bins[bin] = row.bins[bin] + 1
-    row.buckets[bucket] = (row.buckets[bucket] or 0) + 1
-    row.exact, row.largest = row.exact + 1, max(row.largest, ns)
-    if row.exact <= FEW then row.few[row.exact] = ns end
-  end
-
-  -- To microseconds, as they are shown.
-  local function rounded(ns)
-    return floor((ns + 500) / 1000) * 1000
-  end
-
-  local function raise_longest(row, longest)
-    local interval = longest and longest.interval
-    local is_recorded = interval and (interval.is_exact or interval.is_saturated)
-    local ns = interval and (is_recorded and interval.recorded or interval.span.most)
-
-    if not ns or ns == K.ANY_TIME or rounded(ns) <= (row.longest or 0) then return end
-    row.longest = rounded(ns)
-    row.sign = interval.is_saturated and ">" or interval.is_exact and "" or "<="
-  end
-
-  local function count_intervals(row, telegram)
-    local timing, times = telegram.timing, telegram.times
-    local verdict = timing.tza > 0 and timing.longest and timing.longest.verdict
-
-    row.telegrams = row.telegrams + 1
-    row.characters = row.characters + telegram.length
-    for character = 1, times.count - 1 do
-      count_interval(row, times, character)
-    end
-    raise_longest(row, timing.longest)
-    if verdict == K.TIME_EXCEEDED then row.exceeded = row.exceeded + 1 end
-    if verdict == K.TIME_UNRESOLVED then row.unresolved = row.unresolved + 1 end
-  end
-
-  local function intervals_row(station, row)
-    local longest = row.longest and row.sign .. ms_text(row.longest) or ""
-    local bins = row.bins
-
-    return strformat("%-10s |%9d |%10d |%9s |%9s |%13s |%12d |%10d |%11d |%10d |%9d |%9d |%10d |%11d |%11d |%14d |",
-      station, row.telegrams, row.characters, quantile_text(row, 50), quantile_text(row, 99), longest, row.exceeded,
-      row.unresolved, row.one_read, bins[1], bins[2], bins[3], bins[4], bins[5], bins[6], bins[7])
-  end
-
-  kinds.tza = {
-    title = "SIS intervals by talker (TzA)",
-    new = function() return {[ALL] = new_intervals()} end,
-    count = function(rows, of_packet)
-      for _, telegram in ipairs(of_packet.telegrams) do
-        if telegram.is_good and telegram.times.record then
-          rows[telegram.talker] = rows[telegram.talker] or new_intervals()
-          count_intervals(rows[ALL], telegram)
-          count_intervals(rows[telegram.talker], telegram)
-        end
-      end
-    end,
-    text = function(rows)
-      return "Talker     |Telegrams |Characters |p50 in ms |p99 in ms |Longest in ms |TzA exceeded |Unresolved "
-        .. "|In one read |Under 1 ms |1 to 2 ms |2 to 5 ms |5 to 10 ms |10 to 20 ms |20 to 50 ms |50 ms and more |\n"
-        .. each_line(rows, intervals_row)
-    end,
-  }
-
-  local function new_station()
-    return {telegrams = 0, characters = 0, busy = 0, silences = 0, cycles = 0, repeats = 0, unanswered = 0, tza = 0,
-      trs = 0, damaged = 0, line = 0, lines = {}, span = 0, duration = 0}
-  end
-
-  local function add_to(row, name, by)
-    row[name] = row[name] + by
-  end
-
-  local function line_errors(record, first, count)
-    local found = 0
-
-    if band(record.flags, LINE_ERRORS) == 0 then return 0 end
-    for at = first, first + count - 1 do
-      if band(T.flags_of(record, at), LINE_ERRORS) ~= 0 then found = found + 1 end
-    end
-    return found
-  end
-
-  local function count_record(all, of_packet)
-    local record = of_packet.record
-
-    add_to(all, "characters", record.count)
-    add_to(all, "line", line_errors(record, 0, record.timed))
-    add_to(all, "busy", record.character_ns * record.count)
-    all.lines[of_packet.interface] = true
-    -- Times that went back do not count.
-    all.span = all.span + (all.last and max(T.elapsed(all.last, packet.time), 0) or record.character_ns)
-    all.last, all.duration = packet.time, record.duration
-  end
-
-  local function count_timing(row, telegram)
-    local timing, times, exchange = telegram.timing, telegram.times, telegram.exchange
-
-    if timing.silence then
-      if rounded(timing.silence) > (row.silence or 0) then
-        row.silence = rounded(timing.silence)
-        row.sign = timing.is_longer and ">" or ""
-      end
-      if timing.silence > SILENCE then add_to(row, "silences", 1) end
+    if tza == K.TIME_EXCEEDED then tick(station, "TzA exceeded") end
+    if tza == K.TIME_UNRESOLVED then tick(station, "TzA unresolved") end
+    if timing.trs > 0 and S.judge_trs(exchange, times, timing.trs) == K.TIME_EXCEEDED then
+      tick(station, "TrS exceeded")
     end
     if telegram.reaction_time and T.elapsed(exchange.command_begin, times.end_) > CYCLE then
-      add_to(row, "cycles", 1)
+      tick(station, "Cycles above 100 ms")
     end
-    if timing.tza > 0 and timing.longest and timing.longest.verdict == K.TIME_EXCEEDED then add_to(row, "tza", 1) end
-    if timing.trs > 0 and S.judge_trs(exchange, times, timing.trs) == K.TIME_EXCEEDED then add_to(row, "trs", 1) end
-  end
-
-  local function station_of(rows, station)
-    rows[station] = rows[station] or new_station()
-    return rows[station]
-  end
-
-  local function count_talker(rows, telegram)
-    local row, times = station_of(rows, telegram.talker), telegram.times
-
-    add_to(row, "telegrams", 1)
-    add_to(row, "characters", telegram.length)
-    count_timing(rows[ALL], telegram)
-    count_timing(row, telegram)
-    if not times.record then return end
-    add_to(row, "busy", times.record.character_ns * times.count)
-    add_to(row, "line", line_errors(times.record, times.first, times.count))
+    if timing.silence and timing.silence > SILENCE then tick(station, "Silences above 200 ms") end
+    count_line_errors(station, times)
+    if interval and interval.is_exact then tick(station, "Longest interval (us)") end
   end
 
   -- The station that the master had to ask again, or in vain.
-  local function count_asked(rows, exchange)
-    if exchange.repeat_of then
-      add_to(rows[ALL], "repeats", 1)
-      add_to(station_of(rows, byte(exchange.from.path)), "repeats", 1)
-    end
-    if exchange.gave_up then
-      add_to(rows[ALL], "unanswered", 1)
-      add_to(station_of(rows, exchange.gave_up_station), "unanswered", 1)
-    end
+  local function count_asked(all, exchange)
+    if exchange.repeat_of then tick(station_of(all, byte(exchange.from.path), 0), "Repeats") end
+    if exchange.gave_up then tick(station_of(all, exchange.gave_up_station, 0), "Unanswered") end
   end
 
-  local function count_telegram(rows, telegram)
-    local all = rows[ALL]
+  kinds.tree = {
+    title = "SIS telegrams",
+    new = function() return {below = {}} end,
+    count = function(root, telegram)
+      local all = tick(root, "Telegrams")
 
-    add_to(all, "telegrams", 1)
-    if not telegram.times.record then add_to(all, "characters", telegram.there) end
-    if not telegram.is_good then
-      add_to(all, "damaged", 1)
-      return
-    end
-    count_talker(rows, telegram)
-    if telegram.exchange and not telegram.is_reaction then count_asked(rows, telegram.exchange) end
-  end
-
-  local function station_row(all, lines)
-    local span = all.span + all.duration
-
-    return function(station, row)
-      local share = row.busy / (span * (station == ALL and lines or 1))
-      local load = span > 0 and T.decimal_text(floor(1000 * share + 0.5), 1, 1) or ""
-
-      return strformat("%-11s |%9d |%7d |%10d |%12d |%12d |%7d |%11d |%10d |%9s |%21s |%17d |%15d |", station,
-        row.telegrams, row.repeats, row.unanswered, row.tza, row.trs, row.damaged, row.line, row.characters, load,
-        row.silence and row.sign .. ms_text(row.silence) or "", row.silences, row.cycles)
-    end
-  end
-
-  kinds.bus = {
-    title = "SIS bus by station",
-    new = function() return {[ALL] = new_station()} end,
-    count = function(rows, of_packet)
-      if of_packet.record then count_record(rows[ALL], of_packet) end
-      for _, telegram in ipairs(of_packet.telegrams) do
-        count_telegram(rows, telegram)
+      if not telegram.is_good then
+        tick(all, "Damaged")
+        return
+      end
+      tick(tick(tick(all, "By service"), S.service_name(telegram.service)),
+        telegram.is_reaction and "Reaction" or "Command")
+      count_talker(all, telegram)
+      if telegram.exchange and not telegram.is_reaction then count_asked(all, telegram.exchange) end
+      if telegram.status_text then tick(tick(all, "Reactions by status"), telegram.status_text) end
+      for _, text in ipairs(telegram.errors) do
+        tick(tick(all, "Errors"), text)
       end
     end,
-    text = function(rows)
-      local lines = 0
-
-      for _ in pairs(rows[ALL].lines) do
-        lines = lines + 1
-      end
-      return "Station     |Telegrams |Repeats |Unanswered |TzA exceeded |TrS exceeded |Damaged |Line errors "
-        .. "|Characters |Load in % |Longest silence in ms |Silences > 200 ms |Cycles > 100 ms |\n"
-        .. each_line(rows, station_row(rows[ALL], lines))
-    end,
+    text = function(root) return concat(tree_lines(root, 0, {}), "\n") end,
   }
 
   local function seconds_text(ns)
@@ -8671,18 +8438,15 @@ do
   kinds.srt = {
     title = "SIS reaction times by service",
     new = function() return {} end,
-    count = function(services, of_packet)
-      for _, telegram in ipairs(of_packet.telegrams) do
-        local taken = telegram.reaction_time
+    count = function(services, telegram)
+      local taken = telegram.reaction_time
 
-        if taken then
-          local row = services[telegram.service] or {calls = 0, least = taken, most = taken, sum = 0}
+      if not taken then return end
+      local row = services[telegram.service] or {calls = 0, least = taken, most = taken, sum = 0}
 
-          services[telegram.service] = row
-          row.calls, row.sum = row.calls + 1, row.sum + taken
-          row.least, row.most = min(row.least, taken), max(row.most, taken)
-        end
-      end
+      services[telegram.service] = row
+      row.calls, row.sum = row.calls + 1, row.sum + taken
+      row.least, row.most = min(row.least, taken), max(row.most, taken)
     end,
     text = function(services)
       local lines = {strformat("%5s  %-50s %8s %10s %10s %10s", "Index", "Service", "Calls", "Min SRT", "Max SRT",
@@ -8700,97 +8464,16 @@ do
     end,
   }
 
-  local function new_parameter(...)
-    local line, station, device, parameter = ...
-
-    return {line = line, station = station or "", device = device or "", parameter = parameter or "", name = "",
-      unit = "", reads = 0, writes = 0, errors = 0, first = "", last = "", least = "", greatest = "", raw = 0,
-      by = "", packet = ""}
-  end
-
-  -- nil: the table is full.
-  local function find_parameter(rows, access)
-    local key = strformat("%d %s %d %s", access.line, access.station, access.device, access.ident.text)
-
-    if not rows.by_key[key] and #rows.all < K.MOST_ROWS then
-      local row = new_parameter(strformat("%d", access.line), access.station, strformat("%d", access.device),
-        access.ident.text)
-
-      rows.by_key[key] = row
-      rows.all[#rows.all + 1] = row
-    end
-    return rows.by_key[key]
-  end
-
-  local function count_value(row, access)
-    local number = S.shown_number(access.number)
-
-    if not access.value then return end
-    if row.first == "" then row.first = access.value end
-    row.last = access.value
-    if access.is_raw then add_to(row, "raw", 1) end
-    if not number then return end
-    if not row.least_number or number < row.least_number then row.least_number, row.least = number, access.value end
-    if not row.greatest_number or number > row.greatest_number then
-      row.greatest_number, row.greatest = number, access.value
-    end
-  end
-
-  local function count_access(rows, access)
-    local row, what = find_parameter(rows, access), access.error and "errors" or access.is_write and "writes" or "reads"
-
-    add_to(rows.sum, what, 1)
-    if access.value and access.is_raw then add_to(rows.sum, "raw", 1) end
-    if not row then
-      rows.sum.name = "more parameters than rows"
-      return
-    end
-    add_to(row, what, 1)
-    row.name, row.unit = access.known.name or row.name, access.known.unit or row.unit
-    count_value(row, access)
-    if what ~= "writes" then return end
-    row.by = access.master and strformat("%d", access.master) or ""
-    row.packet = strformat("%d", packet.number)
-  end
-
-  -- A drive names its parameters: what it says must not look like the line between two columns.
-  local function in_cell(text)
-    return (gsub(text, "|", "¦"))
-  end
-
-  local function parameter_row(row)
-    return strformat("%-4s |%-7s |%-6s |%-9s |%-4s |%-4s |%5d |%6d |%6d |%5s |%4s |%5s |%8s |%5d |%10s |%9s |",
-      row.line, row.station, row.device, row.parameter, in_cell(row.name), in_cell(row.unit), row.reads, row.writes,
-      row.errors, in_cell(row.first), in_cell(row.last), in_cell(row.least), in_cell(row.greatest),
-      row.raw, row.by, row.packet)
-  end
-
-  kinds.parameters = {
-    title = "SIS parameters",
-    new = function() return {sum = new_parameter(ALL), all = {}, by_key = {}} end,
-    count = function(rows, of_packet)
-      for _, access in ipairs(of_packet.accesses) do
-        count_access(rows, access)
-      end
-    end,
-    text = function(rows)
-      local lines = {"Line |Station |Device |Parameter |Name |Unit |Reads |Writes |Errors |First |Last |Least "
-        .. "|Greatest |Bytes |Written by |In packet |", parameter_row(rows.sum)}
-
-      for _, row in ipairs(rows.all) do
-        lines[#lines + 1] = parameter_row(row)
-      end
-      return concat(lines, "\n")
-    end,
-  }
-
   -- A tap of Wireshark that counts one kind; `show` gets the text whenever Wireshark draws.
   local function start(kind, show)
     local tap = Listener.new("frame")
     local sum = kind.new()
 
     function tap.packet(pinfo)
-      if noted.number == pinfo.number then kind.count(sum, noted) end
+      if noted.number ~= pinfo.number then return end
+      for _, telegram in ipairs(noted.telegrams) do
+        kind.count(sum, telegram)
+      end
     end
 
     function tap.draw() show(kind.text(sum)) end
@@ -8799,7 +8482,7 @@ do
     return tap
   end
 
-  local ORDER = {"tree", "tza", "bus", "srt", "parameters"}
+  local ORDER = {"tree", "srt"}
   local is_printing = false
 
   local function print_what_is_asked_for()
@@ -8819,49 +8502,13 @@ do
 
   at_init(print_what_is_asked_for)
 
-  local WINDOW = 76 -- characters that fit into a line of a window
-
-  -- Splits a table that is too wide; each part repeats its first column.
-  local function in_narrow_tables(text)
-    local rows, lines, from = {}, {}, 2
-
-    for line in string.gmatch(text, "[^\n]+") do
-      local cells = {}
-
-      for cell in string.gmatch(line, "[^|]*|") do
-        cells[#cells + 1] = cell
-      end
-      rows[#rows + 1] = cells
-    end
-    local heads = rows[1]
-
-    while from <= #heads do
-      local width, to = #heads[1] + #heads[from], from
-
-      while to < #heads and width + #heads[to + 1] <= WINDOW do
-        to = to + 1
-        width = width + #heads[to]
-      end
-      for _, cells in ipairs(rows) do
-        lines[#lines + 1] = (cells[1] or "") .. concat(cells, "", from, min(to, #cells))
-      end
-      lines[#lines + 1] = ""
-      from = to + 1
-    end
-    return concat(lines, "\n")
-  end
-
-  local function window_text(text)
-    return string.find(text, "|", 1, true) and in_narrow_tables(text) or text
-  end
-
   local function open_window(kind)
     return function()
       local window = TextWindow.new(kind.title)
       local tap
 
       S.is_counting = true
-      tap = start(kind, function(text) window:set(window_text(text)) end)
+      tap = start(kind, function(text) window:set(text) end)
       window:set_atclose(function() tap:remove() end)
       retap_packets()
     end
@@ -8874,7 +8521,7 @@ do
   end
 end
 
---- synax/head: the Indramat head of 6 bytes: info access, axis, parameter. ARCNET 7F has it with the low byte first
+--- rk512/head: the Indramat head of 6 bytes: info access, axis, parameter. ARCNET 7F has it with the low byte first
 -- (chapter 7), 3964R with the high byte first (chapter 8).
 
 do
@@ -8884,18 +8531,9 @@ do
   local CONFIGURATION = 58 -- C-0-0058 configures data block 101 (pages 7-16 and 8-11)
 
   K.HEAD_SIZE = 6
-  K.BLOCK_IO, K.BLOCK_MODE = 99, 100 -- data blocks whose words are shown (chapters 7 and 8)
-
-  local blocks = {
-    [98] = "cancel a transmission with follow-ups",
-    [K.BLOCK_IO] = "inputs and outputs of the PPC",
-    [K.BLOCK_MODE] = "mode of the PPC",
-  }
-
   -- Data blocks that have a meaning of their own: 98 to 116; nil: none.
   function S.block_text(number)
-    if number >= 101 and number <= 116 then return "freely configured" end
-    return blocks[number]
+    return (range_text(number, N.synax_blocks))
   end
 
   -- Adds the number of a data block, with its meaning.
@@ -8912,11 +8550,11 @@ do
 
   -- Adds the words of data block 99 or 100, from `offset` up to `stop`. Of other blocks nothing is known.
   function S.add_block_words(tree, root, which, tvb, offset, stop, block, is_big)
-    if block ~= K.BLOCK_IO and block ~= K.BLOCK_MODE then return end
+    if block ~= K.SYNAX_BLOCK_IO and block ~= K.SYNAX_BLOCK_MODE then return end
     for at = offset, stop - 2, 2 do
       (is_big and add or add_le)(tree, which, tvb, at, 2)
     end
-    if block == K.BLOCK_MODE then
+    if block == K.SYNAX_BLOCK_MODE then
       add_expert(tree or root, EX.synax_note, "No document says which value is which mode")
     end
   end
@@ -9016,7 +8654,7 @@ do
   end
 end
 
---- synax/rk512i: RK512 with the Indramat extension (chapter 8): a command of 10 bytes or a follow-up of 4, with data;
+--- rk512/rk512i: RK512 with the Indramat extension (chapter 8): a command of 10 bytes or a follow-up of 4, with data;
 -- a reaction of 4 bytes, with data after FETCH. All of it has the high byte first. What does not fit into 128 bytes
 -- comes in follow-ups, and what does not fit into a data block in several: DB nn first, DB 1 last (page 8-27).
 
@@ -9178,10 +8816,10 @@ do
       return
     end
     if block > LONGEST_CHAIN and not S.block_text(block) then note(d, "Data block that is not defined") end
-    if block == K.BLOCK_IO and count > K.RK512_MOST_IO_WORDS then
+    if block == K.SYNAX_BLOCK_IO and count > K.RK512_MOST_IO_WORDS then
       note(d, "Data block 99 has at most 32 words (page 8-8)")
     end
-    if block == K.BLOCK_MODE and count ~= 1 then note(d, "Data block 100 has one word (page 8-10)") end
+    if block == K.SYNAX_BLOCK_MODE and count ~= 1 then note(d, "Data block 100 has one word (page 8-10)") end
     if byte(d.bytes, 6) ~= 0 then note(d, "Only whole data blocks can be accessed (page 8-7)") end
   end
 
@@ -9343,7 +8981,7 @@ do
   end
 end
 
---- synax/3964r: 3964R, Siemens' procedure between two partners (chapter 8). STX asks to send, DLE grants; then the
+--- rk512/3964r: 3964R, Siemens' procedure between two partners (chapter 8). STX asks to send, DLE grants; then the
 -- block, every DLE in it doubled, DLE ETX and the check character BCC; DLE says that it came well, NAK that it did not.
 -- A packet is one of these: a character alone, or a block without its STX.
 
@@ -9679,7 +9317,7 @@ do
   end
 end
 
---- synax/pieces: data that do not fit into one packet, put together
+--- sis/pieces: data that do not fit into one packet, put together
 
 do
   local WHOLE = "Data of all pieces"
@@ -9943,7 +9581,7 @@ do
     if t.end_ > HEAD then add(t.tree, F.data, t.tvb, HEAD, t.end_ - HEAD) end
     if t.whole == HEAD then return end
     S.add_block_words(t.tree, t.root, FX.arcnet7f_word, t.tvb, HEAD, t.end_, block, false)
-    if block == K.BLOCK_MODE and t.whole - HEAD > 2 then
+    if block == K.SYNAX_BLOCK_MODE and t.whole - HEAD > 2 then
       mark(t, nil, EX.synax_note, "Data block 100 has one word (page 7-15)")
     end
     say_bytes(t, t.whole - HEAD)
@@ -10579,7 +10217,7 @@ end
 -- is read from the same object (p. 2-16). 5FF0 to 5FF6 are diagnosis words (p. 2-36 to 2-40).
 
 do
-  local HEAD_SIZE, WORD_SIZE = 3, 2
+  local WORD_SIZE = 2
   local READ_ANSWER, WRITE_REQUEST = K.SYNAXOBJ_READ_ANSWER, K.SYNAXOBJ_WRITE_REQUEST
   local DIAGNOSIS_FIELDBUS, STATUS_FIELDBUS = K.SYNAXOBJ_DIAGNOSIS_FIELDBUS, K.SYNAXOBJ_STATUS_FIELDBUS
   local FAULT_CODE_PPC = K.SYNAXOBJ_FAULT_CODE_PPC
@@ -10631,7 +10269,7 @@ do
     local number = packet.number
     local known, object = links[number] and links[number][place], objects[access.index]
 
-    if known or packet.visited or not object or not object.of_telegrams then return known end
+    if known or packet.visited or not object.of_telegrams then return known end
     local key = S.line_key(S.place()) .. " " .. access.channel .. " " .. access.index
 
     known = new_link(key, access)
@@ -10730,39 +10368,24 @@ do
     d.pinfo.cols.info:append(strformat("  0x%04x", word))
   end
 
-  local MULTIPLEX_WORD = "Control or status word of the multiplex channel: which bits are Index_out_c, "
-    .. "Index_in_c, RR and RA is not defined"
-
   local function dissect_unknown(d)
     add_raw(d, FX.synaxobj_raw, d.offset, d.length)
     d.pinfo.cols.info:append(strformat("  %d byte%s", d.length, plural(d.length)))
-    add_expert(d.root, EX.synax_note, objects[d.access.index] and MULTIPLEX_WORD
-      or strformat("What object 0x%04X holds is not defined", d.access.index))
-  end
-
-  local function dissect_without_content(d)
-    local operation = d.access.operation
-    local name = N.synaxobj_operations[operation]
-
-    add_raw(d, FX.synaxobj_raw, d.offset, d.length)
-    if not name then
-      add_expert(d.root, EX.synax_note, strformat("Operation %d is not defined", operation))
-    elseif d.length > 0 then
-      add_expert(d.root, EX.synax_unexpected, strformat("A %s has no data", name))
-    end
+    add_expert(d.root, EX.synax_note, "Control or status word of the multiplex channel: which bits are Index_out_c, "
+      .. "Index_in_c, RR and RA is not defined")
   end
 
   -- A write request and a read answer contain the object, the others do not.
   local function dissect_content(d)
     local object, operation = objects[d.access.index], d.access.operation
 
-    if operation ~= WRITE_REQUEST and operation ~= READ_ANSWER then return dissect_without_content(d) end
-    if object and object.size and d.length > object.size then
+    if operation ~= WRITE_REQUEST and operation ~= READ_ANSWER then return end
+    if object.size and d.length > object.size then
       add_expert(d.root, EX.synax_unexpected, "More bytes than the object has")
     end
     if d.length == 0 then
       add_expert(d.root, EX.synax_short, "The content of the object is missing")
-    elseif not object or not object.size then
+    elseif not object.size then
       dissect_unknown(d)
     elseif object.of_telegrams then
       dissect_telegram(d)
@@ -10771,73 +10394,20 @@ do
     end
   end
 
-  local function begin(tvb, pinfo, parent, offset, length)
-    local tree = parent:add(synaxobj, tvb(offset, length))
-
-    pinfo.cols.protocol = "SYNAXOBJ"
-    return {tvb = tvb, pinfo = pinfo, parent = parent, tree = tree, root = tree, offset = offset, length = length}
-  end
-
-  local function operation_text(operation)
-    return N.synaxobj_operations[operation] or strformat("operation %d", operation)
-  end
-
-  local function name_root(d)
-    append_text(d.root, strformat(", 0x%04X %s", d.access.index, operation_text(d.access.operation)))
-  end
-
   -- An object on another bus: `length` available bytes at `offset`. Appends to the info column. `access` has index,
   -- operation, and channel, which distinguishes the devices of a bus.
   function S.dissect_object(tvb, offset, length, pinfo, parent, access)
-    local d = begin(tvb, pinfo, parent, offset, length)
+    local root = parent:add(synaxobj, tvb(offset, length))
+    local d = {tvb = tvb, pinfo = pinfo, parent = parent, tree = root, root = root, offset = offset, length = length,
+      access = access, bytes = length > 0 and tvb(offset, length):bytes():raw() or ""}
 
-    d.access = access
-    d.bytes = length > 0 and tvb(offset, length):bytes():raw() or ""
-    set_generated(add(d.tree, FX.synaxobj_index, tvb, 0, 0, access.index))
-    set_generated(add(d.tree, FX.synaxobj_operation, tvb, 0, 0, access.operation))
-    name_root(d)
+    pinfo.cols.protocol = "SYNAXOBJ"
+    set_generated(add(root, FX.synaxobj_index, tvb, 0, 0, access.index))
+    set_generated(add(root, FX.synaxobj_operation, tvb, 0, 0, access.operation))
+    append_text(root, strformat(", 0x%04X %s", access.index, N.synaxobj_operations[access.operation]))
     pinfo.cols.info:append(strformat("  0x%04X", access.index))
     show_link(d, find_link(tvb:offset() + offset, access))
     dissect_content(d)
-  end
-
-  -- The head is defined by this project, in plugin/docs/synax200-objects.md.
-  local function dissect_named(d, is_cut)
-    add(d.tree, FX.synaxobj_index, d.tvb, 0, 2)
-    add(d.tree, FX.synaxobj_operation, d.tvb, 2, 1)
-    name_root(d)
-    d.pinfo.cols.info:append(strformat("0x%04X %s", d.access.index, operation_text(d.access.operation)))
-    if is_cut then
-      add_raw(d, FX.synaxobj_raw, d.offset, d.length)
-    else
-      show_link(d, find_link(d.tvb:offset(), d.access))
-      dissect_content(d)
-    end
-  end
-
-  function synaxobj.dissector(tvb, pinfo, parent)
-    local bytes, there = tvb:raw(), tvb:reported_len()
-    local is_cut = #bytes < there
-    local d = begin(tvb, pinfo, parent, 0, #bytes)
-
-    look_at(pinfo)
-    pinfo.cols.info:clear()
-    if #bytes < HEAD_SIZE then
-      add_raw(d, FX.synaxobj_raw, 0, #bytes)
-      pinfo.cols.info:append("Object without its head")
-      if not is_cut then
-        add_expert(d.root, EX.synax_short, "Index and operation have 3 bytes")
-      end
-    else
-      local high, low, operation = byte(bytes, 1, 3)
-
-      d.access = {index = high * 0x100 + low, operation = operation, channel = 0}
-      d.bytes = sub(bytes, HEAD_SIZE + 1)
-      d.offset, d.length = HEAD_SIZE, #d.bytes
-      dissect_named(d, is_cut)
-    end
-    if is_cut then S.show_cut(tvb, pinfo, parent, "SYNAXOBJ") end
-    return #bytes
   end
 end
 
@@ -10858,18 +10428,6 @@ do
     [0x0182] = {is_answer = true, is_write = true},
     [0x01A1] = {is_at_device = true},
     [0x01A2] = {is_write = true, is_at_device = true},
-  }
-
-  -- Keyed by error class, error code and additional code.
-  local error_texts = {
-    [0x06030000] = "no access",
-    [0x06050011] = "invalid subindex",
-    [0x06050012] = "data too long",
-    [0x06050013] = "data too short",
-    [0x06060000] = "the object is not a parameter",
-    [0x06070000] = "the object does not exist",
-    [0x08000000] = "the service cannot be executed",
-    [0x08000020] = "the service cannot be executed now",
   }
 
   local requests, links -- the last request of each kind; relations of a packet
@@ -11006,7 +10564,7 @@ do
     local class, code = byte(d.bytes, REFERENCE_END + 1, REFERENCE_END + 2)
     local additional = word_at(d, RESULT_END)
     local item = add(d.tree, FX.synaxpcp_error, d.tvb, REFERENCE_END, 4)
-    local text = error_texts[(class * 0x100 + code) * 0x10000 + additional]
+    local text = N.synaxpcp_errors[(class * 0x100 + code) * 0x10000 + additional]
     local words = strformat("Error class %d, code %d, additional 0x%04x", class, code, additional)
       .. (text and ", at ABB: " .. text or "")
 
@@ -11351,7 +10909,7 @@ do
   end
 end
 
---- ascii/exchange: command, echo and answer of the ASCII protocol. A drive echoes each line but the one that opens it.
+--- ascii/dialogue: command, echo and answer of the ASCII protocol. A drive echoes each line but the one that opens it.
 -- Its answer ends with its prompt, or with "?" while it waits for an element of a list (MPH-02, p. 10-86 to 10-91).
 -- Between a command and its answer, the same line once more is its echo; a shared line does not show who sent it.
 
@@ -11843,7 +11401,7 @@ do
   end
 
   -- The line that ends an answer completes a read or write of operating data.
-  local function tell_access(line, pinfo)
+  local function tell_access(line)
     local command = access_of(line.unit.command)
 
     if line.unit.kind ~= PROMPT or not command or not command.drive or command.said.element ~= K.ELEMENT_DATA
@@ -11854,7 +11412,6 @@ do
     local access = {
       is_write = command.kind == WRITE,
       error = code and strformat("0x%04x %s", code, error_text(code)),
-      line = S.exchange_bus(pinfo).number,
       station = strformat("%d", drive),
       device = drive,
       ident = ident,
@@ -11904,7 +11461,7 @@ do
     show_drive(line)
     show_line(line)
     show_links(line)
-    tell_access(line, pinfo)
+    tell_access(line)
     local words = N.ascii_kinds[line.unit.kind] .. line.words
     local cols = pinfo.cols
 
@@ -11954,12 +11511,10 @@ do
   end
 end
 
---- sis/transports: where SIS telegrams come from besides the serial tap: TCP, UDP, RTAC serial captures, a user link
--- type
+--- sis/transports: where SIS telegrams come from besides the serial tap: TCP, UDP, RTAC serial captures
 
 do
   local SIP_PORT = 35021 -- S/IP, another protocol of the same drives
-  local DLT_USER_OFF = -1
 
   local NO_TELEGRAM, GOOD, DAMAGED, INCOMPLETE = 0, 1, 2, 3
 
@@ -12041,24 +11596,6 @@ do
   end
 
   S.dissect_segment = dissect_segment
-
-  -- An entry of "wtap_encap" silently overrides the user's own DLT_USER table. So none is made unless requested, and
-  -- the link type is returned to that table afterwards. For each file, and not when preferences are applied.
-  local taken = DLT_USER_OFF
-
-  local function apply_dlt_user()
-    local encapsulations = DissectorTable.get("wtap_encap")
-
-    if P.dlt_user == taken then return end
-    if taken ~= DLT_USER_OFF then
-      encapsulations:remove(wtap.USER0 + taken, sis)
-      encapsulations:add(wtap.USER0 + taken, Dissector.get("user_dlt"))
-    end
-    if P.dlt_user ~= DLT_USER_OFF then encapsulations:add(wtap.USER0 + P.dlt_user, sis) end
-    taken = P.dlt_user
-  end
-
-  at_init(apply_dlt_user)
 
   for name, proto in pairs(protos) do
     proto.fields, proto.experts = registered[name].fields, registered[name].experts

@@ -19,7 +19,8 @@ sys.path.insert(0, str(FUZZ))
 import corpus  # noqa: E402
 
 KEPT = sorted(FUZZ.glob("corpus/*"))
-OPTIONS = ("-o", "sis.dlt_user:user0", "-d", "rtacser.data,sis", "-d", "tcp.port==4200,sis")
+USER0 = r'uat:user_dlts:"User 0 (DLT=147)","sis","0","","0",""'
+OPTIONS = ("-o", USER0, "-d", "rtacser.data,sis", "-d", "tcp.port==4200,sis")
 
 
 def packets(paths: list[Path]) -> int:

@@ -54,19 +54,15 @@ typedef gboolean compat_uat_bool;
 #define compat_get_uint32(tvb, offset, encoding) tvb_get_guint32(tvb, offset, encoding)
 #endif
 
-/* From 4.2 on, conversation filters have data of their own, and Follow asks how many streams there are. */
+/* From 4.2 on, conversation filters have data of their own. */
 #if WIRESHARK_AT_LEAST(4, 2)
 #define COMPAT_CONVERSATION_DATA , void *data _U_
 #define compat_register_conversation_filter(protocol, name, is_valid, build)                                 \
     register_conversation_filter(protocol, name, is_valid, build, NULL)
-#define compat_register_follow_stream(protocol, tap, by_packet, by_index, by_address, port, packet, count)   \
-    register_follow_stream(protocol, tap, by_packet, by_index, by_address, port, packet, count, NULL)
 #else
 #define COMPAT_CONVERSATION_DATA
 #define compat_register_conversation_filter(protocol, name, is_valid, build)                                 \
     register_conversation_filter(protocol, name, is_valid, build)
-#define compat_register_follow_stream(protocol, tap, by_packet, by_index, by_address, port, packet, count)   \
-    ((void)(count), register_follow_stream(protocol, tap, by_packet, by_index, by_address, port, packet))
 #endif
 
 /* Before 4.4, the menu Statistics would have two submenus SIS, one for trees of counts and one for the

@@ -16,3 +16,9 @@ add_link(proto_tree *tree, int hf, tvbuff_t *tvb, uint32_t frame)
 {
     return frame != 0 ? add_generated(tree, hf, tvb, frame) : NULL;
 }
+
+void
+format_ms(char *text, double ms)
+{
+    g_ascii_formatd(text, ITEM_LABEL_LENGTH, "%.3f", ms); /* unlike printf(), the same in all languages */
+}

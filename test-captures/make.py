@@ -52,13 +52,12 @@ LINK_TYPES = {
     "user0": pcapng.LINKTYPE_USER0,
     "rtac": pcapng.LINKTYPE_RTAC_SERIAL,
     "tcp": LINKTYPE_RAW_IPV4,
-    "synaxobj": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
     "synaxpcp": pcapng.LINKTYPE_WIRESHARK_UPPER_PDU,
     "udp": LINKTYPE_RAW_IPV4,
 }
 
-# Objects of SYNAX200: the operations in the head of dissector synaxobj; sizes of those with telegrams.
-OPERATIONS = ("read-answer", "write-request", "read-request", "write-answer")
+# Objects of SYNAX200 through PCP: its services, and the sizes of those with telegrams.
+SERVICES = {"read-request": 0x0081, "write-request": 0x0082, "read-answer": 0x0181, "write-answer": 0x0182}
 OBJECT_SIZES = {0x5E70: 16, 0x5E71: 32, 0x5E72: 64, 0x5E73: 128}
 
 # Texts of Wireshark that change with its version: its own layers, and a segment without a telegram.
@@ -300,16 +299,20 @@ class Scenario:
 
     def _do_object(self, rest: str) -> None:
         index, operation, *content = rest.split(None, 2)
-        self._add(data=self._object(int(index, 16), OPERATIONS.index(operation), "".join(content)))
+        self._add(data=self._message(int(index, 16), operation, "".join(content)))
 
-    def _object(self, index: int, operation: int, content: str) -> bytes:
-        """Return the data for dissector synaxobj; a telegram is padded to the size of its object."""
+    def _message(self, index: int, operation: str, content: str) -> bytes:
+        """Return a message of PCP, of invoke id 0 and reference 2, with an object; a telegram is padded to its size."""
         kind, _, words = content.partition(" ")
         if kind in {"command", "reaction"}:
             held = self._built(words.strip(), reaction=kind == "reaction").ljust(OBJECT_SIZES[index], b"\0")
         else:
             held = bytes.fromhex(content)
-        return struct.pack(">HB", index, operation) + held
+        body = struct.pack(">HB", index, 0) if operation.endswith("request") else bytes(3)
+        if operation in {"write-request", "read-answer"}:
+            body += bytes([len(held)]) + held
+        words = (2 + len(body) + 1) // 2
+        return struct.pack(">HHH", SERVICES[operation], words, 2) + body.ljust(2 * words - 2, b"\0")
 
     def _payloads(self) -> list[bytes]:
         """Return the payloads of the packets, without the link type's own header."""
@@ -422,7 +425,6 @@ LINK_HEADERS: dict[str, Callable[[bytes, int], bytes]] = {
     "user0": lambda payload, _: payload,
     "rtac": rtac_header,
     "tcp": lambda payload, _: payload,
-    "synaxobj": lambda payload, _: pcapng.upper_pdu("synaxobj", payload),
     "synaxpcp": lambda payload, _: pcapng.upper_pdu("synaxpcp", payload),
     "udp": lambda payload, _: payload,
 }

@@ -156,7 +156,7 @@ OPTIONS = {
         ["-o", "sis.tza_ms:3", "-o", "sis.trs_ms:30"],
         ["-o", "sis.edition:ECODRIVE03", "-o", "synaxpk.layout:indradrive"],
     ],
-    pcapng.LINKTYPE_USER0: [["-o", "sis.dlt_user:user0"]],
+    pcapng.LINKTYPE_USER0: [["-o", r'uat:user_dlts:"User 0 (DLT=147)","sis","0","","0",""']],
     pcapng.LINKTYPE_RTAC_SERIAL: [["-d", "rtacser.data,sis"]],
     228: [["-o", "synaxpd.ports:7001-7004"], ["-d", "tcp.port==4200,sis"]],
 }
@@ -166,11 +166,9 @@ STATISTICS = ["-q"]
 for name in (
     "sertap,tree",
     "sis,tree",
-    "sis,tza",
-    "sis,bus",
-    "sis,parameters",
     "sis,srt",
     "rk512i,srt",
+    "sisascii,srt",
     "conv,sis",
     "endpoints,sis",
 ):

@@ -66,7 +66,7 @@ def test_capture_file_cut_in_a_packet(ends: tuple[int, ...] | None, tshark: Tsha
                 "-r",
                 str(capture),
                 "-o",
-                "sis.dlt_user:user0",
+                r'uat:user_dlts:"User 0 (DLT=147)","sis","0","","0",""',
                 "-T",
                 "fields",
                 "-e",

@@ -82,7 +82,7 @@ def test_filter(capture: str, display_filter: str, frames: list[int], sharkd: Sh
 
 OPTIONS = {
     "ecodrive03": ["-o", "sis.edition:ECODRIVE03"],
-    "user0": ["-o", "sis.dlt_user:user0"],
+    "user0": ["-o", r'uat:user_dlts:"User 0 (DLT=147)","sis","0","","0",""'],
     "rtac": ["-d", "rtacser.data,sis"],
 }
 
@@ -144,18 +144,6 @@ def test_cut_by_snaplen_the_telegram_is_still_there(tshark: Tshark, tmp_path: Pa
     subprocess.run(["editcap", "-s", "60", str(HERE / "specification.pcapng"), str(cut)], check=True)
     found = tshark.output("-r", str(cut), "-Y", "sis.checksum.status == 1", "-T", "fields", "-e", "frame.number")
     assert found.split()[0] == "1"
-
-
-def test_user_link_type_is_left_alone_until_asked(tshark: Tshark) -> None:
-    """Without the preference, and with another one set, USER0 stays with Wireshark's own table."""
-    path = str(HERE / "user0.pcapng")
-    for options in ([], ["-o", "sis.dlt_user:user1"]):
-        assert "SIS" not in tshark.output("-r", path, *options)
-
-
-def test_user_link_type_table_still_works(tshark: Tshark) -> None:
-    table = r'uat:user_dlts:"User 0 (DLT=147)","sis","0","","0",""'
-    assert "SIS" in tshark.output("-r", str(HERE / "user0.pcapng"), "-o", table)
 
 
 def test_tcp_heuristic_can_be_switched_off_and_decode_as_still_works(

@@ -17,7 +17,7 @@ HOUSE = Path(__file__).resolve().parent.parent
 PLUGIN = HOUSE / "plugin"
 OBJECTS = HOUSE / "build" / "plugin" / "plugin" / "CMakeFiles" / "sis.dir"
 
-LINE = re.compile(r"    (?P<folder>[a-z/]+/)? *(?P<files>[a-z0-9-]+(, [a-z0-9-]+)*)")
+LINE = re.compile(r"    (?P<folder>[a-z0-9/]+/)? *(?P<files>[a-z0-9-]+(, [a-z0-9-]+)*)")
 INCLUDE = re.compile(r'#include "(?P<file>[^"]+)\.h"')
 APART = {"parameters", "sertap"}  # two families that do not know each other
 

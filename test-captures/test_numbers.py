@@ -18,7 +18,6 @@ from sistap.tap.records.record import Record, Type
 
 # Seconds, milliseconds, percent, scaled values, intervals of characters.
 FIRST, *REST = ("timing-reads", "values", "phases", "timing-pauses", "timing-cycle", "records")
-TABLES = ("-q", "-z", "sis,tza", "-z", "sis,bus", "-z", "sis,parameters")
 
 
 @pytest.fixture(scope="module")
@@ -39,13 +38,6 @@ def test_tshark_speaks_german(german: dict[str, str], tshark: Tshark) -> None:
 @pytest.mark.parametrize("name", [FIRST, *(pytest.param(name, marks=pytest.mark.thorough) for name in REST)])
 def test_trees(name: str, german: dict[str, str], tshark: Tshark) -> None:
     arguments = ("-r", str(HERE / f"{name}.pcapng"), "-P", "-V", "-O", "sertap,sis", "-o", "sis.tza_ms:5")
-    text = locales.said(tshark, german, *arguments)
-    assert re.search(r"\d\.\d", text)
-    assert text == locales.said(tshark, {}, *arguments)
-
-
-def test_tables(german: dict[str, str], tshark: Tshark) -> None:
-    arguments = ("-r", str(HERE / "statistics.pcapng"), *TABLES)
     text = locales.said(tshark, german, *arguments)
     assert re.search(r"\d\.\d", text)
     assert text == locales.said(tshark, {}, *arguments)

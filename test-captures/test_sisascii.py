@@ -177,21 +177,6 @@ def test_reads_and_writes_are_counted_like_those_of_sis(tshark: Tshark) -> None:
     assert found[36] == {"access": "read", **elements}
     assert found[48] == {"access": "write", **named, "error": "0x7004 Operating data cannot be changed"}
     assert set(found) == {6, 16, 18, 21, 32, 36, 39, 42, 45, 48, 51}
-    rows = tshark.output("-r", capture, "-q", "-z", "sis,parameters").splitlines()
-    cells = [cell.strip() for cell in next(row for row in rows if "S-0-0051" in row).split("|")]
-    assert cells[1:12] == [
-        "21",
-        "21",
-        "S-0-0051",
-        named["name"],
-        "mm",
-        "2",
-        "0",
-        "3",
-        "12.3456",
-        "-7.5000 mm",
-        "-7.5000 mm",
-    ]
     times = tshark.output("-r", capture, "-q", "-z", "sisascii,srt").splitlines()
     assert [row.split()[3] for row in times if "Read parameter" in row] == ["8"]
 
@@ -222,8 +207,3 @@ def test_one_filter_finds_a_parameter_on_every_road(tshark: Tshark) -> None:
         **dict.fromkeys((10, 14), "3964r"),  # with RK512 inside
         16: "synaxpcp",
     }
-
-
-def test_idents_with_a_structure_have_rows_of_their_own(tshark: Tshark) -> None:
-    rows = tshark.output("-r", str(HERE / "ascii.pcapng"), "-q", "-z", "sis,parameters").splitlines()
-    assert [row.split("|")[3].strip() for row in rows if "S-0-0390" in row] == ["S-0-0390", "S-0-0390.0.136"]

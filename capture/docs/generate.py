@@ -179,8 +179,8 @@ def _statistics() -> Iterator[tuple[str, str]]:
         text = path.read_text("utf-8")
         for name, title in re.findall(r'"(\w+)", COMPAT_IN_SUBMENU\("([^"]+)"', text):
             yield f"{name},tree", f"SIS > {title}"
-        for title, name in re.findall(r'^    {"([^"]+)", "(\w+,\w+)"}', text, re.MULTILINE):
-            yield name, f"SIS > {title}"
+        for name in re.findall(r"register_srt_table\(proto_(\w+)", text):
+            yield f"{name},srt", f"Service Response Time > {protocols[name]['short']}"
         for name in re.findall(r"register_conversation_table\(proto_(\w+)", text):
             yield f"conv,{name}", f"Conversations > {protocols[name]['short']}"
             yield f"endpoints,{name}", f"Endpoints > {protocols[name]['short']}"

@@ -83,12 +83,9 @@ class Picture(NamedTuple):
 
 MAIN = f"^{DEMO}$"
 CONVERSATIONS = Step(MAIN, "key Escape alt+s Down Down Down Return")
-OF_THE_SUBMENU = Step(MAIN, "key Escape alt+s Up Right Return")  # the first of Statistics > SIS
 OPTIONS = (Step("^The Wireshark Network Analyzer$", "key ctrl+k"), Step("Capture Options", THE_GEAR))
 PICTURES = (
     Picture("plugin/pictures/wireshark.png", f"-r {DEMO} -J '{LATE}'", MAIN, 1500, 900, do=OPEN_TREE),
-    Picture("plugin/pictures/bus.png", f"-r {DEMO}", "SIS bus by station", 1350, 240, (OF_THE_SUBMENU,)),
-    Picture("plugin/pictures/intervals.png", f"-r {DEMO} -z sis,tza", "SIS intervals by talker", 1450, 240),
     Picture("plugin/pictures/reactions.png", f"-r {DEMO} -z sis,srt", "SIS Service Response Time", 800, 300),
     Picture("plugin/pictures/conversations.png", f"-r {DEMO}", "Conversations", 1500, 400, (CONVERSATIONS,)),
     Picture("capture/pictures/graphs.png", f"-r {DEMO} -z io,stat", "I/O Graphs", 1000, 720),

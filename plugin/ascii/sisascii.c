@@ -9,10 +9,11 @@
 
 #include <epan/tap.h>
 
-#include "ascii/exchange.h"
+#include "ascii/dialogue.h"
 #include "parameters/ident.h"
 #include "parameters/text.h"
 #include "parameters/values.h"
+#include "items.h"
 #include "parts.h"
 #include "protocol/limits.h"
 #include "sis/access.h"
@@ -142,20 +143,6 @@ is_number(const char *text)
     return decimals > 0 && text[decimals] == '\0';
 }
 
-static proto_item *
-generated(proto_item *item)
-{
-    proto_item_set_generated(item);
-    return item;
-}
-
-static void
-add_frame(const line_t *line, int hf, uint32_t frame)
-{
-    if (frame != 0)
-        generated(proto_tree_add_uint(line->tree, hf, line->tvb, 0, 0, frame));
-}
-
 /* The command with the parameter: of an element, the write that began its list; NULL: it has none. */
 static const sisascii_command_t *
 access_of(const sisascii_command_t *command)
@@ -221,8 +208,9 @@ show_value(line_t *line, unsigned offset, const sisascii_command_t *access, cons
     if (access->said.element >= SIS_ELEMENT_MINIMUM && read_bits(value, known, &raw))
         sis_add_named_bits(item, line->tvb, offset, length, raw, known->bits);
     if (is_value)
-        generated(proto_tree_add_double_format_value(line->tree, hf_sis_value_number, line->tvb, offset,
-                                                     length, g_ascii_strtod(value, NULL), "%s", value));
+        proto_item_set_generated(
+            proto_tree_add_double_format_value(line->tree, hf_sis_value_number, line->tvb, offset, length,
+                                               g_ascii_strtod(value, NULL), "%s", value));
 }
 
 static void
@@ -246,7 +234,7 @@ show_parameter(line_t *line, const sisascii_command_t *access, const sis_known_t
     item = proto_tree_add_uint(line->tree, hf_sisascii_element, line->tvb, is_here ? line->said.at : 0,
                                is_here, element);
     if (!is_here)
-        generated(item);
+        proto_item_set_generated(item);
     if (line->unit->kind == SISASCII_ECHO)
         return;
     wmem_strbuf_append_printf(line->words, " %s", sis_ident_text(line->pinfo->pool, access->said.ident));
@@ -305,8 +293,8 @@ show_drive(line_t *line)
     if (is_here)
         wmem_strbuf_append_printf(line->words, " %u", drive);
     else
-        generated(item);
-    proto_item_set_hidden(generated(proto_tree_add_uint(line->tree, hf_sis_station, line->tvb, 0, 0, drive)));
+        proto_item_set_generated(item);
+    proto_item_set_hidden(add_generated(line->tree, hf_sis_station, line->tvb, drive));
 }
 
 static void
@@ -321,7 +309,7 @@ show_line(line_t *line)
         show_parameter(line, access, &known, line->said.kind == access->said.kind);
     }
     if (unit->number > 0)
-        generated(proto_tree_add_uint(line->tree, hf_sisascii_index, line->tvb, 0, 0, unit->number));
+        add_generated(line->tree, hf_sisascii_index, line->tvb, unit->number);
     switch (unit->kind) {
     case SISASCII_WRITE:
         show_written(line, access, &known);
@@ -349,11 +337,11 @@ show_verdict(line_t *line, unsigned limit_ms, const char *source)
     nstime_t limit = sertap_time(limit_ms * MS);
     proto_item *item;
 
-    generated(proto_tree_add_time_format_value(line->tree, hf_sis_trs_limit, line->tvb, 0, 0, &limit,
-                                               "%u ms%s", limit_ms, source));
+    proto_item_set_generated(proto_tree_add_time_format_value(line->tree, hf_sis_trs_limit, line->tvb, 0, 0,
+                                                              &limit, "%u ms%s", limit_ms, source));
     if (source[0] != '\0')
-        add_frame(line, hf_sis_trs_set_in, line->unit->limit.set_in);
-    item = generated(proto_tree_add_uint(line->tree, hf_sis_trs_verdict, line->tvb, 0, 0, verdict));
+        add_link(line->tree, hf_sis_trs_set_in, line->tvb, line->unit->limit.set_in);
+    item = add_generated(line->tree, hf_sis_trs_verdict, line->tvb, verdict);
     if (verdict == SIS_TIME_EXCEEDED) {
         expert_add_info(line->pinfo, item, &ei_sis_trs_exceeded);
         wmem_strbuf_append(line->marks, "  [TrS exceeded]");
@@ -378,7 +366,7 @@ show_time(line_t *line)
     if (!line->unit->is_first)
         return;
     if (is_measured(line)) {
-        generated(
+        proto_item_set_generated(
             sertap_add_ms(line->tree, hf_sis_reaction_time, line->tvb, 0, 0, line->pinfo->pool, elapsed));
         sertap_add_column_ms(line->tree, hf_sis_reaction_time_ms, line->tvb, elapsed);
     }
@@ -393,10 +381,10 @@ show_time(line_t *line)
 static void
 show_command(line_t *line, const sisascii_command_t *command)
 {
-    add_frame(line, hf_sis_reaction_in, command->answer_in);
-    add_frame(line, hf_sis_repeat_of, command->repeat_of);
-    add_frame(line, hf_sis_unanswered_before, command->unanswered_before);
-    add_frame(line, hf_sis_next_command_in, command->next_in);
+    add_link(line->tree, hf_sis_reaction_in, line->tvb, command->answer_in);
+    add_link(line->tree, hf_sis_repeat_of, line->tvb, command->repeat_of);
+    add_link(line->tree, hf_sis_unanswered_before, line->tvb, command->unanswered_before);
+    add_link(line->tree, hf_sis_next_command_in, line->tvb, command->next_in);
     if (command->repeat_of != 0) {
         expert_add_info(line->pinfo, line->root, &ei_sis_command_repeat);
         wmem_strbuf_append(line->marks, "  [repeat]");
@@ -418,7 +406,7 @@ show_links(line_t *line)
         show_command(line, command);
         return;
     }
-    add_frame(line, hf_sis_command_in, command->frame);
+    add_link(line->tree, hf_sis_command_in, line->tvb, command->frame);
     show_time(line);
 }
 
@@ -428,7 +416,6 @@ tell_access(const line_t *line)
 {
     const sisascii_command_t *command = access_of(line->unit->command);
     wmem_allocator_t *pool = line->pinfo->pool;
-    sis_bus_t *bus = sis_exchange_bus(line->pinfo);
     sis_access_t *access;
 
     if (line->unit->kind != SISASCII_PROMPT || command == NULL || !command->has_drive ||
@@ -436,13 +423,11 @@ tell_access(const line_t *line)
         return;
     access = wmem_new0(pool, sis_access_t);
     access->is_write = command->said.kind == SISASCII_WRITE;
-    access->bus = bus->number;
     access->place = sisascii_place(command);
     access->ident = command->said.ident;
     access->known = known_of(command);
-    sis_learned_complete(line->pinfo, sis_learned_of(bus), &access->place, command->said.ident,
-                         &access->known);
-    access->is_refused = command->has_error;
+    sis_learned_complete(line->pinfo, sis_learned_of(sis_exchange_bus(line->pinfo)), &access->place,
+                         command->said.ident, &access->known);
     if (command->has_error) {
         access->error = wmem_strdup_printf(pool, "0x%04x %s", command->error, error_text(command->error));
     } else if (command->count > 0) {
@@ -450,10 +435,8 @@ tell_access(const line_t *line)
 
         access->text = value;
         access->is_number = command->count == 1 && is_number(value);
-        if (access->is_number) {
-            access->number = g_ascii_strtod(value, NULL);
+        if (access->is_number)
             value = with_unit(pool, value, &access->known);
-        }
         access->value = sis_text_shortened(pool, value, SHOWN_CHARACTERS);
     }
     sis_access_tell(access, line->tvb, line->pinfo, line->tree);
@@ -563,7 +546,7 @@ dissect_sisascii(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
         read_line(&line.said);
         line.unit = sisascii_find(pinfo, &line.said, &line.times);
     }
-    generated(proto_tree_add_uint(line.tree, hf_sisascii_kind, tvb, 0, 0, line.unit->kind));
+    add_generated(line.tree, hf_sisascii_kind, tvb, line.unit->kind);
     show_drive(&line);
     show_line(&line);
     show_links(&line);

@@ -9,6 +9,7 @@
 #include <epan/uat.h>
 
 #include "parts.h"
+#include "protocol/codes.h"
 
 #define NUMBER_BITS 0x0FFF
 #define SET_SHIFT   12
@@ -24,42 +25,14 @@ static const value_string kinds[] = {
     {KIND_S, "S"}, {KIND_P, "P"}, {KIND_A, "A"}, {KIND_C, "C"}, {0, NULL},
 };
 
-/* Kind and set 0; names, and the unit where it is said, from the SIS definition and SYNAX' interface manual.
- * No P parameters: what these are depends on the device. No S parameters: Wireshark has their names. */
+/* Names of set 0, and the unit where it is said. No P parameters: what these are depends on the device. No S
+ * parameters: Wireshark has their names. */
 static const struct {
     kind_t kind;
-    uint16_t number;
-    const char *name;
+    const value_string *names;
+    uint16_t with_unit; /* of this parameter */
     const char *unit;
-} built_in[] = {
-    {KIND_A, 4, "Additive position command value, target value", "deg"},
-    {KIND_A, 56, "Set-up position 0", NULL},
-    {KIND_A, 60, "Fine adjustment", NULL},
-    {KIND_C, 1, "Switch-on delay time", "ms"},
-    {KIND_C, 29, "Jogging time constant", NULL},
-    {KIND_C, 33, "Host communication, control word", NULL},
-    {KIND_C, 46, "General diagnostic flag", NULL},
-    {KIND_C, 57, "Error number of the serial interface", NULL},
-    {KIND_C, 58, "Configuration list of data block 101", NULL},
-    {KIND_C, 59, "Configuration list of data block 102", NULL},
-    {KIND_C, 60, "Configuration list of data block 103", NULL},
-    {KIND_C, 61, "Configuration list of data block 104", NULL},
-    {KIND_C, 62, "Configuration list of data block 105", NULL},
-    {KIND_C, 63, "Configuration list of data block 106", NULL},
-    {KIND_C, 64, "Configuration list of data block 107", NULL},
-    {KIND_C, 65, "Configuration list of data block 108", NULL},
-    {KIND_C, 66, "Master axis, position feedback value", NULL},
-    {KIND_C, 124, "Timeout of the service channel", NULL},
-    {KIND_C, 125, "Fieldbus address", NULL},
-    {KIND_C, 127, "Fieldbus/Ethernet 1, configuration list of the process input data", NULL},
-    {KIND_C, 129, "Fieldbus control bits", NULL},
-    {KIND_C, 157, "Data blocks, ident numbers of the configurable S and P parameters", NULL},
-    {KIND_C, 188, "Ethernet 2, configuration list", NULL}, /* the rest of the name is cut off */
-    {KIND_C, 193, "PPC, standard gateway", NULL},
-    {KIND_C, 194, "PPC, UDP ports", NULL},
-    {KIND_C, 197, "End of the static part of a configuration list", NULL},
-    {KIND_C, 198, "End of a multiplex level of a configuration list", NULL},
-};
+} built_in[] = {{KIND_A, sis_parameters_a, 4, "deg"}, {KIND_C, sis_parameters_c, 1, "ms"}};
 
 /* A row of the user's table "SIS parameters". */
 typedef struct {
@@ -331,11 +304,16 @@ static void
 add_built_in(void)
 {
     for (unsigned i = 0; i < array_length(built_in); i++) {
-        sis_known_t known = {.name = built_in[i].name, .name_from = SIS_BUILT_IN, .unit = built_in[i].unit};
+        for (const value_string *name = built_in[i].names; name->strptr != NULL; name++) {
+            sis_ident_t ident = of_kind(built_in[i].kind, (sis_ident_t){.number = (uint16_t)name->value});
+            sis_known_t known = {.name = name->strptr, .name_from = SIS_BUILT_IN};
 
-        known.unit_from = known.unit != NULL ? SIS_BUILT_IN : SIS_FROM_NOWHERE;
-        insert(&(row_key_t){.ident = of_kind(built_in[i].kind, (sis_ident_t){.number = built_in[i].number})},
-               &known);
+            if (name->value == built_in[i].with_unit) {
+                known.unit = built_in[i].unit;
+                known.unit_from = SIS_BUILT_IN;
+            }
+            insert(&(row_key_t){.ident = ident}, &known);
+        }
     }
 }
 

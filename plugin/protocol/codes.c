@@ -520,6 +520,18 @@ const value_string sis_synaxpcp_services[] = {
     {0, NULL},
 };
 
+const value_string sis_synaxpcp_errors[] = {
+    {0x06030000, "no access"},
+    {0x06050011, "invalid subindex"},
+    {0x06050012, "data too long"},
+    {0x06050013, "data too short"},
+    {0x06060000, "the object is not a parameter"},
+    {0x06070000, "the object does not exist"},
+    {0x08000000, "the service cannot be executed"},
+    {0x08000020, "the service cannot be executed now"},
+    {0, NULL},
+};
+
 const value_string sis_synaxpd_directions[] = {
     {SYNAXPD_TO_PPC, "to the PPC"},
     {SYNAXPD_FROM_PPC, "from the PPC"},
@@ -584,4 +596,47 @@ const value_string sis_errors_ascii[] = {
     {0x9006, "Neither r nor w"},
     {0x9007, "Wrong character in the data"},
     {0, NULL},
+};
+
+const value_string sis_parameters_a[] = {
+    {4, "Additive position command value, target value"},
+    {56, "Set-up position 0"},
+    {60, "Fine adjustment"},
+    {0, NULL},
+};
+
+const value_string sis_parameters_c[] = {
+    {1, "Switch-on delay time"},
+    {29, "Jogging time constant"},
+    {33, "Host communication, control word"},
+    {46, "General diagnostic flag"},
+    {57, "Error number of the serial interface"},
+    {58, "Configuration list of data block 101"},
+    {59, "Configuration list of data block 102"},
+    {60, "Configuration list of data block 103"},
+    {61, "Configuration list of data block 104"},
+    {62, "Configuration list of data block 105"},
+    {63, "Configuration list of data block 106"},
+    {64, "Configuration list of data block 107"},
+    {65, "Configuration list of data block 108"},
+    {66, "Master axis, position feedback value"},
+    {124, "Timeout of the service channel"},
+    {125, "Fieldbus address"},
+    {127, "Fieldbus/Ethernet 1, configuration list of the process input data"},
+    {129, "Fieldbus control bits"},
+    {157, "Data blocks, ident numbers of the configurable S and P parameters"},
+    {188, "Ethernet 2, configuration list"},
+    {193, "PPC, standard gateway"},
+    {194, "PPC, UDP ports"},
+    {197, "End of the static part of a configuration list"},
+    {198, "End of a multiplex level of a configuration list"},
+    {0, NULL},
+};
+
+const range_string sis_synax_blocks[] = {
+    {98, 98, "cancel a transmission with follow-ups"},
+    {SYNAX_BLOCK_IO, SYNAX_BLOCK_IO, "inputs and outputs of the PPC"},
+    {SYNAX_BLOCK_MODE, SYNAX_BLOCK_MODE, "mode of the PPC"},
+    {101, 116, "freely configured"},
+    {0, 0, NULL},
 };

@@ -235,6 +235,9 @@ extern const value_string sis_synaxobj_names[];
 /* Services of Interbus PCP, as NIBA-01 prints them. */
 extern const value_string sis_synaxpcp_services[];
 
+/* Error class, code and additional code of Interbus PCP as one number, as NIBA-01 prints them. */
+extern const value_string sis_synaxpcp_errors[];
+
 /* Directions of process data. */
 enum {
     SYNAXPD_TO_PPC = 1,
@@ -281,5 +284,19 @@ extern const value_string sis_ascii_kinds[];
 /* Errors that only the ASCII protocol has (MPH-02, fig. 10-51); the others are those of parameter
  * services. */
 extern const value_string sis_errors_ascii[];
+
+/* Names of parameters of axes (kind A, set 0), from SYNAX' interface manual. */
+extern const value_string sis_parameters_a[];
+
+/* Names of parameters of the control (kind C, set 0), from SYNAX' interface manual. Of C-0-0188 the rest
+ * is cut off. */
+extern const value_string sis_parameters_c[];
+
+/* Data blocks of SYNAX200 that have a meaning of their own (chapters 7 and 8). */
+enum {
+    SYNAX_BLOCK_IO = 99,
+    SYNAX_BLOCK_MODE = 100,
+};
+extern const range_string sis_synax_blocks[];
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "protocol/fields.h"
 
-#include "sertap/time.h"
+#include "items.h"
 
 #define MOST_PORT 65535
 
@@ -33,26 +33,6 @@ static const enum_val_t choices_sis_tza_from[] = {
     {"unknown", "Unknown", 0},
     {"end", "The end of the character before: the pause alone", 1},
     {"start", "The start of the character before: the whole interval", 2},
-    {NULL, NULL, 0},
-};
-static const enum_val_t choices_sis_dlt_user[] = {
-    {"off", "Off", -1},
-    {"user0", "USER0 (147)", 0},
-    {"user1", "USER1 (148)", 1},
-    {"user2", "USER2 (149)", 2},
-    {"user3", "USER3 (150)", 3},
-    {"user4", "USER4 (151)", 4},
-    {"user5", "USER5 (152)", 5},
-    {"user6", "USER6 (153)", 6},
-    {"user7", "USER7 (154)", 7},
-    {"user8", "USER8 (155)", 8},
-    {"user9", "USER9 (156)", 9},
-    {"user10", "USER10 (157)", 10},
-    {"user11", "USER11 (158)", 11},
-    {"user12", "USER12 (159)", 12},
-    {"user13", "USER13 (160)", 13},
-    {"user14", "USER14 (161)", 14},
-    {"user15", "USER15 (162)", 15},
     {NULL, NULL, 0},
 };
 static const enum_val_t choices_synaxpk_layout[] = {
@@ -121,7 +101,6 @@ compat_bool pref_sis_ecodrive_phases = FALSE;
 unsigned pref_sis_tza_ms = 0;
 int pref_sis_tza_from = 0;
 unsigned pref_sis_trs_ms = 0;
-int pref_sis_dlt_user = -1;
 compat_bool pref_sis_tcp_heuristic = TRUE;
 compat_bool pref_sis_udp_heuristic = FALSE;
 unsigned pref_3964r_zvz_ms = 220;
@@ -520,35 +499,21 @@ protocol_register_sertap(void)
         {&hf_sertap_interval_saturated, {"Interval longer than it can be stored", "sertap.interval.saturated", FT_BOOLEAN, 8, NULL, 0x40, "More than 4.29 s passed; the time between the packets is exact", HFILL}},
     };
     static ei_register_info experts[] = {
-        {&ei_sertap_version_unknown, {"sertap.version.unknown", PI_MALFORMED, PI_ERROR, "Unknown version of the record", EXPFILL}},
-        {&ei_sertap_header_length_short, {"sertap.header_length.short", PI_MALFORMED, PI_ERROR, "The header is shorter than version 1 has it", EXPFILL}},
-        {&ei_sertap_count_wrong, {"sertap.count.wrong", PI_MALFORMED, PI_ERROR, "The count does not fit", EXPFILL}},
-        {&ei_sertap_truncated, {"sertap.truncated", PI_MALFORMED, PI_ERROR, "The record is cut", EXPFILL}},
-        {&ei_sertap_error_character_expert, {"sertap.error.character.expert", PI_CHECKSUM, PI_WARN, "Parity or framing error on the line", EXPFILL}},
-        {&ei_sertap_error_break_expert, {"sertap.error.break.expert", PI_PROTOCOL, PI_WARN, "Break on the line", EXPFILL}},
-        {&ei_sertap_error_lost_expert, {"sertap.error.lost.expert", PI_SEQUENCE, PI_WARN, "Characters were lost before the tap could read them", EXPFILL}},
-        {&ei_sertap_error_unlocated_expert, {"sertap.error.unlocated.expert", PI_CHECKSUM, PI_WARN, "A line error, the adapter does not say at which character", EXPFILL}},
-        {&ei_sertap_event_expert, {"sertap.event.expert", PI_SEQUENCE, PI_WARN, "The capture has a gap", EXPFILL}},
-    };
-    static const char *const meanings[] = {
-        "A newer sistap wrote this capture. Update the plugin.",
-        "The record is damaged. Write the capture again with sistap.",
-        "The record does not have as many characters as it says. Write the capture again with sistap.",
-        "The capture was cut, so characters are missing. Capture without a limit of the packet length.",
-        "A bit of the character was wrong when it arrived. Check baud rate and format first, then cable, termination and ground.",
-        "The line was low for longer than a character: a short circuit, a wrong rate, or a signal on purpose. Check baud rate first, then the wires.",
-        "The tap was too slow, so characters are missing here. Close other programs, or use an adapter with a larger buffer: sistap doctor.",
-        "One of the characters of this read was wrong. Check baud rate and format first, then cable, termination and ground.",
-        "The tap heard nothing for a while, whatever happened on the line. Read the text of the event. Do not count silences across it.",
+        {&ei_sertap_version_unknown, {"sertap.version.unknown", PI_MALFORMED, PI_ERROR, "Unknown version of the record", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "A newer sistap wrote this capture. Update the plugin.", HFILL}}}},
+        {&ei_sertap_header_length_short, {"sertap.header_length.short", PI_MALFORMED, PI_ERROR, "The header is shorter than version 1 has it", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The record is damaged. Write the capture again with sistap.", HFILL}}}},
+        {&ei_sertap_count_wrong, {"sertap.count.wrong", PI_MALFORMED, PI_ERROR, "The count does not fit", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The record does not have as many characters as it says. Write the capture again with sistap.", HFILL}}}},
+        {&ei_sertap_truncated, {"sertap.truncated", PI_MALFORMED, PI_ERROR, "The record is cut", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The capture was cut, so characters are missing. Capture without a limit of the packet length.", HFILL}}}},
+        {&ei_sertap_error_character_expert, {"sertap.error.character.expert", PI_CHECKSUM, PI_WARN, "Parity or framing error on the line", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "A bit of the character was wrong when it arrived. Check baud rate and format first, then cable, termination and ground.", HFILL}}}},
+        {&ei_sertap_error_break_expert, {"sertap.error.break.expert", PI_PROTOCOL, PI_WARN, "Break on the line", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The line was low for longer than a character: a short circuit, a wrong rate, or a signal on purpose. Check baud rate first, then the wires.", HFILL}}}},
+        {&ei_sertap_error_lost_expert, {"sertap.error.lost.expert", PI_SEQUENCE, PI_WARN, "Characters were lost before the tap could read them", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The tap was too slow, so characters are missing here. Close other programs, or use an adapter with a larger buffer: sistap doctor.", HFILL}}}},
+        {&ei_sertap_error_unlocated_expert, {"sertap.error.unlocated.expert", PI_CHECKSUM, PI_WARN, "A line error, the adapter does not say at which character", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "One of the characters of this read was wrong. Check baud rate and format first, then cable, termination and ground.", HFILL}}}},
+        {&ei_sertap_event_expert, {"sertap.event.expert", PI_SEQUENCE, PI_WARN, "The capture has a gap", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The tap heard nothing for a while, whatever happened on the line. Read the text of the event. Do not count silences across it.", HFILL}}}},
     };
     static int *subtrees[] = {&ett_sertap, &ett_sertap_format, &ett_sertap_characters, &ett_sertap_character};
 
     proto_sertap = proto_register_protocol("Serial tap", "SERTAP", "sertap");
     proto_register_field_array(proto_sertap, fields, array_length(fields));
     expert_register_field_array(expert_register_protocol(proto_sertap), experts, array_length(experts));
-    /* A registration has no place for a description. */
-    for (unsigned i = 0; i < array_length(experts); i++)
-        proto_registrar_get_nth((unsigned)experts[i].ids->hf)->blurb = meanings[i];
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
@@ -592,7 +557,7 @@ protocol_register_sis(void)
         {&hf_sis_reaction_in, {"Reaction in", "sis.reaction_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RESPONSE), 0, "The packet that answers this command", HFILL}},
         {&hf_sis_command_in, {"Command in", "sis.command_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, "The packet that this reaction answers", HFILL}},
         {&hf_sis_reaction_time, {"Reaction time", "sis.reaction_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "From the last character of the command to the first of the reaction; from packet to packet where the times of the characters are not known; not there if both came in one read of the tap, or the clock was set back between them. With an operator terminal BTV05, command and reaction together take 100 ms at most (chapter 10.1)", HFILL}},
-        {&hf_sis_reaction_time_ms, {"Reaction time in ms", "sis.reaction_time.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
+        {&hf_sis_reaction_time_ms, {"Reaction time in ms", "sis.reaction_time.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(format_ms), 0, "For a column of the packet list", HFILL}},
         {&hf_sis_repeat_of, {"Repeat of", "sis.repeat_of", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_RETRANS_PREV), 0, "The packet that this command repeats, byte for byte", HFILL}},
         {&hf_sis_unanswered_before, {"Command before, not answered", "sis.unanswered_before", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's command before this one, where it went on without a reaction", HFILL}},
         {&hf_sis_next_command_in, {"Next command in", "sis.next_command_in", FT_FRAMENUM, BASE_NONE, NULL, 0, "The master's next command, where it went on without a reaction", HFILL}},
@@ -663,9 +628,9 @@ protocol_register_sis(void)
         {&hf_sis_phase_switch_in, {"Phase switch in", "sis.phase.switch_in", FT_FRAMENUM, BASE_NONE, NULL, 0, "The packet that asked for the phase switch which this poll observes", HFILL}},
         {&hf_sis_phase_switch_time, {"Time of the phase switch", "sis.phase.switch_time", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "From its command to the poll that ended it", HFILL}},
         {&hf_sis_silence_before, {"Silence before", "sis.silence_before", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Since the character before it on this line, arrival to arrival. An operator terminal BTV05 takes its link for lost after 200 ms of silence", HFILL}},
-        {&hf_sis_silence_before_ms, {"Silence before in ms", "sis.silence_before.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
+        {&hf_sis_silence_before_ms, {"Silence before in ms", "sis.silence_before.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(format_ms), 0, "For a column of the packet list", HFILL}},
         {&hf_sis_tza_interval_max, {"Longest interval", "sis.tza.interval_max", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "Between two characters of the telegram, arrival to arrival; where they came in one read, the most it can have been", HFILL}},
-        {&hf_sis_tza_interval_max_ms, {"Longest interval in ms", "sis.tza.interval_max.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(sertap_format_ms), 0, "For a column of the packet list", HFILL}},
+        {&hf_sis_tza_interval_max_ms, {"Longest interval in ms", "sis.tza.interval_max.ms", FT_DOUBLE, BASE_CUSTOM, CF_FUNC(format_ms), 0, "For a column of the packet list", HFILL}},
         {&hf_sis_tza_position, {"Longest interval before character", "sis.tza.position", FT_UINT16, BASE_DEC, NULL, 0, "Its number in the telegram, from 1", HFILL}},
         {&hf_sis_tza_limit, {"TzA (longest interval allowed)", "sis.tza.limit", FT_RELATIVE_TIME, BASE_NONE, NULL, 0, "As the bus was told, or from the preference sis.tza_ms", HFILL}},
         {&hf_sis_tza_set_in, {"TzA set in", "sis.tza.set_in", FT_FRAMENUM, BASE_NONE, NULL, 0, "The packet that made this limit valid", HFILL}},
@@ -684,86 +649,45 @@ protocol_register_sis(void)
         {&hf_sis_bus_load, {"Bus load", "sis.bus.load", FT_DOUBLE, BASE_NONE, NULL, 0, "Percent of the last second in which there were characters on the line", HFILL}},
     };
     static ei_register_info experts[] = {
-        {&ei_sis_list_recursion, {"sis.list.recursion", PI_PROTOCOL, PI_ERROR, "Service 0x04 must not be in its own list", EXPFILL}},
-        {&ei_sis_command_unanswered, {"sis.command.unanswered", PI_SEQUENCE, PI_NOTE, "No reaction before the next command", EXPFILL}},
-        {&ei_sis_reaction_unasked, {"sis.reaction.unasked", PI_SEQUENCE, PI_NOTE, "The command of this reaction is not known", EXPFILL}},
-        {&ei_sis_reaction_to_damaged, {"sis.reaction.to_damaged", PI_SEQUENCE, PI_CHAT, "The answer to a damaged command: allowed only point to point; on a bus the station is silent", EXPFILL}},
-        {&ei_sis_reaction_again, {"sis.reaction.again", PI_SEQUENCE, PI_NOTE, "The command was answered before", EXPFILL}},
-        {&ei_sis_command_repeat, {"sis.command.repeat", PI_SEQUENCE, PI_NOTE, "The same command again", EXPFILL}},
-        {&ei_sis_body_missing, {"sis.body.missing", PI_PROTOCOL, PI_WARN, "Useful data are missing", EXPFILL}},
-        {&ei_sis_body_unexpected, {"sis.body.unexpected", PI_PROTOCOL, PI_WARN, "More useful data than the service has", EXPFILL}},
-        {&ei_sis_body_note, {"sis.body.note", PI_PROTOCOL, PI_NOTE, "Useful data that the documents do not define", EXPFILL}},
-        {&ei_sis_status_execution_error, {"sis.status.execution_error", PI_RESPONSE_CODE, PI_NOTE, "The status is an execution error", EXPFILL}},
-        {&ei_sis_status_telegram_error, {"sis.status.telegram_error", PI_RESPONSE_CODE, PI_WARN, "The status is a telegram error", EXPFILL}},
-        {&ei_sis_start_missing, {"sis.start.missing", PI_MALFORMED, PI_ERROR, "No start character 0x02", EXPFILL}},
-        {&ei_sis_checksum_bad, {"sis.checksum.bad", PI_CHECKSUM, PI_ERROR, "Wrong checksum", EXPFILL}},
-        {&ei_sis_length_differ, {"sis.length.differ", PI_MALFORMED, PI_ERROR, "The two lengths differ: a bus does not answer this telegram, a point-to-point station answers with status 0xF2", EXPFILL}},
-        {&ei_sis_length_short, {"sis.length.short", PI_MALFORMED, PI_ERROR, "The telegram is cut", EXPFILL}},
-        {&ei_sis_length_long, {"sis.length.long", PI_PROTOCOL, PI_WARN, "Bytes follow the end of the telegram", EXPFILL}},
-        {&ei_sis_telegrams_many, {"sis.telegrams.many", PI_UNDECODED, PI_NOTE, "More telegrams in a packet than are decoded: only those that begin in its first 32,768 bytes", EXPFILL}},
-        {&ei_sis_length_header, {"sis.length.header", PI_MALFORMED, PI_ERROR, "Subaddresses and telegram number do not fit into the length", EXPFILL}},
-        {&ei_sis_control_reserved_set, {"sis.control.reserved.set", PI_PROTOCOL, PI_NOTE, "Reserved bits of the telegram control are set (another edition? preference sis.edition)", EXPFILL}},
-        {&ei_sis_control_status_set, {"sis.control.status.set", PI_RESPONSE_CODE, PI_NOTE, "The status in the telegram control is not 'no error'", EXPFILL}},
-        {&ei_sis_control_status_error, {"sis.control.status.error", PI_RESPONSE_CODE, PI_WARN, "The status in the telegram control is an error", EXPFILL}},
-        {&ei_sis_control_warning_set, {"sis.control.warning.set", PI_RESPONSE_CODE, PI_NOTE, "The sender signals a system warning", EXPFILL}},
-        {&ei_sis_control_error_set, {"sis.control.error.set", PI_RESPONSE_CODE, PI_WARN, "The sender signals a system error", EXPFILL}},
-        {&ei_sis_service_reserved, {"sis.service.reserved", PI_PROTOCOL, PI_NOTE, "Reserved service", EXPFILL}},
-        {&ei_sis_sender_service_master, {"sis.sender.service_master", PI_PROTOCOL, PI_NOTE, "Address 127, for service and emergencies only: not to be used while other masters communicate", EXPFILL}},
-        {&ei_sis_sender_invalid, {"sis.sender.invalid", PI_PROTOCOL, PI_WARN, "A sender address is not above 127", EXPFILL}},
-        {&ei_sis_receiver_reserved, {"sis.receiver.reserved", PI_PROTOCOL, PI_WARN, "Receiver address that is not assigned or reserved (another edition? preference sis.edition)", EXPFILL}},
-        {&ei_sis_receiver_level_broadcast, {"sis.receiver.level_broadcast", PI_PROTOCOL, PI_WARN, "254 may only be the last address of the list", EXPFILL}},
-        {&ei_sis_reaction_unexpected, {"sis.reaction.unexpected", PI_PROTOCOL, PI_WARN, "A group or broadcast is not answered", EXPFILL}},
-        {&ei_sis_sequence_ended, {"sis.sequence.ended", PI_SEQUENCE, PI_NOTE, "A transfer of sequential telegrams ended unfinished", EXPFILL}},
-        {&ei_sis_sequence_piece_missing, {"sis.sequence.piece_missing", PI_SEQUENCE, PI_NOTE, "A piece of this transfer may be missing: something that came between was damaged, lost or refused", EXPFILL}},
-        {&ei_sis_tza_exceeded, {"sis.tza.exceeded", PI_PROTOCOL, PI_WARN, "TzA exceeded", EXPFILL}},
-        {&ei_sis_tza_unresolved, {"sis.tza.unresolved", PI_PROTOCOL, PI_NOTE, "TzA perhaps exceeded", EXPFILL}},
-        {&ei_sis_trs_exceeded, {"sis.trs.exceeded", PI_PROTOCOL, PI_WARN, "TrS exceeded", EXPFILL}},
-        {&ei_sis_trs_unresolved, {"sis.trs.unresolved", PI_PROTOCOL, PI_NOTE, "TrS perhaps exceeded", EXPFILL}},
-        {&ei_sis_twm_early, {"sis.twm.early", PI_SEQUENCE, PI_NOTE, "Repeated before TrS was over", EXPFILL}},
-        {&ei_sis_tmas_exceeded, {"sis.tmas.exceeded", PI_PROTOCOL, PI_WARN, "Tmas exceeded", EXPFILL}},
-        {&ei_sis_tmas_unresolved, {"sis.tmas.unresolved", PI_PROTOCOL, PI_NOTE, "Tmas perhaps exceeded", EXPFILL}},
-        {&ei_sis_bus_baud_differs, {"sis.bus.baud.differs", PI_PROTOCOL, PI_NOTE, "The tap listens at another baud rate than the bus was told", EXPFILL}},
-    };
-    static const char *const meanings[] = {
-        "The station must refuse this list. Take service 0x04 out of the list of the master.",
-        "The master went on without a reaction. Look whether this station answers at other times. If never: address, cable, power. If sometimes: compare its reaction times with the master's time-out.",
-        "No command before it fits: the capture may have begun later, or the command was damaged. Look at the packets before it. If it comes often, two stations may have the same address.",
-        "The station could not read the command and says so. It did nothing. Look for the damage in the packet before. The master should send its command again.",
-        "The station, or a second one, has answered the same command again. Look for a repeat by the master, and for two stations with one address.",
-        "The master sends a command again, because no good reaction came in time. Look at the command before it: was it damaged, not answered, or answered too late?",
-        "The useful data end before all fields are there. Compare the master's telegram with the service's layout.",
-        "Bytes follow that the service does not have. Compare the master's telegram with the service's layout. Another edition or product may have more.",
-        "The documents do not define this value, or leave its meaning open. Read the text of the item. Often the device is newer than the documents.",
-        "The station understood the command but could not execute it. Read the error code in the reaction.",
-        "The station did not accept the command. Compare the command with its service: length, checksum, service, subaddresses.",
-        "The bytes do not begin like a telegram. Check baud rate and format of the capture, and that the data really are SIS.",
-        "A byte was changed or lost on the way to the tap. Look at line errors and losses at this packet. Check cable, termination, ground and baud rate.",
-        "One of the two lengths was damaged, so nobody knows where the telegram ends. Look at line errors and losses at this packet. Check cable, termination, ground and baud rate.",
-        "The telegram ends before its last byte. If the capture began or ended here, nothing is wrong. Else look for lost characters.",
-        "The packet has more bytes than the telegram. Check the program that made the capture: one telegram a packet is expected.",
-        "The rest of the packet is not decoded. Cut the data into smaller packets.",
-        "The length is too small for the subaddresses and the telegram number that the header announces. Check the program of the sender.",
-        "IF02 and ECODRIVE03 use these bits in different ways. Try the other edition: preference sis.edition.",
-        "The station reports that the command is not done, or with a warning. Read the status. The master may have to ask again.",
-        "The station could not do what the command asks. Read the error code in the reaction.",
-        "The sender has a warning, whatever this telegram is about. Read the diagnosis of that device, such as S-0-0390 or S-0-0095.",
-        "The sender has an error, whatever this telegram is about. Read the diagnosis of that device, such as S-0-0390 or S-0-0095.",
-        "No document describes this service. Check the sender's program, and the preference sis.edition.",
-        "Somebody has connected a service tool or an emergency master. Make sure that no other master speaks at the same time.",
-        "No station can have this address. Check the sender's settings, and the preference sis.edition.",
-        "No station can have this address in this edition. Check the receiver address, and the preference sis.edition.",
-        "After 254 no other address may follow. Correct the route in the master.",
-        "Several stations would answer at once. Check which station answers to a group or broadcast address.",
-        "The pieces that came so far are not the whole value. Look what came between: a cancel, an error, or another access to the same device.",
-        "The data are not joined, because one piece may be missing. Look for damaged or lost characters between the pieces. Then read the value again.",
-        "The receiver may have dropped this telegram. Look which station talks, and at which character. Reduce its load, or set a longer TzA.",
-        "The interval may be longer or shorter than TzA: its time is not exact enough, or it depends on whether the character that ends it counts. No document says that. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond. If it depends on where TzA begins to count and you know it, set the preference sis.tza_from.",
-        "The master may have given up before this reaction came. Look which station is late, and in which service. Set a longer TrS in the master if the station may be that slow.",
-        "The reaction may be later than TrS or not: its time is not exact enough, or it depends on whether its first character counts. No document says that. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.",
-        "The master did not wait until the slave's time was over. Set the waiting time of the master (TwM) longer than TrS.",
-        "The drive may have stopped, because the master control word came too late. Look what kept the master from writing S-0-0134.",
-        "The cycle may be longer than Tmas or not: its times are not exact enough. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.",
-        "Stations were told to use another rate than the one that the tap listens at. Start the tap with --follow-baud, or with the new rate.",
+        {&ei_sis_list_recursion, {"sis.list.recursion", PI_PROTOCOL, PI_ERROR, "Service 0x04 must not be in its own list", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The station must refuse this list. Take service 0x04 out of the list of the master.", HFILL}}}},
+        {&ei_sis_command_unanswered, {"sis.command.unanswered", PI_SEQUENCE, PI_NOTE, "No reaction before the next command", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The master went on without a reaction. Look whether this station answers at other times. If never: address, cable, power. If sometimes: compare its reaction times with the master's time-out.", HFILL}}}},
+        {&ei_sis_reaction_unasked, {"sis.reaction.unasked", PI_SEQUENCE, PI_NOTE, "The command of this reaction is not known", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "No command before it fits: the capture may have begun later, or the command was damaged. Look at the packets before it. If it comes often, two stations may have the same address.", HFILL}}}},
+        {&ei_sis_reaction_to_damaged, {"sis.reaction.to_damaged", PI_SEQUENCE, PI_CHAT, "The answer to a damaged command: allowed only point to point; on a bus the station is silent", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The station could not read the command and says so. It did nothing. Look for the damage in the packet before. The master should send its command again.", HFILL}}}},
+        {&ei_sis_reaction_again, {"sis.reaction.again", PI_SEQUENCE, PI_NOTE, "The command was answered before", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The station, or a second one, has answered the same command again. Look for a repeat by the master, and for two stations with one address.", HFILL}}}},
+        {&ei_sis_command_repeat, {"sis.command.repeat", PI_SEQUENCE, PI_NOTE, "The same command again", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The master sends a command again, because no good reaction came in time. Look at the command before it: was it damaged, not answered, or answered too late?", HFILL}}}},
+        {&ei_sis_body_missing, {"sis.body.missing", PI_PROTOCOL, PI_WARN, "Useful data are missing", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The useful data end before all fields are there. Compare the master's telegram with the service's layout.", HFILL}}}},
+        {&ei_sis_body_unexpected, {"sis.body.unexpected", PI_PROTOCOL, PI_WARN, "More useful data than the service has", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "Bytes follow that the service does not have. Compare the master's telegram with the service's layout. Another edition or product may have more.", HFILL}}}},
+        {&ei_sis_body_note, {"sis.body.note", PI_PROTOCOL, PI_NOTE, "Useful data that the documents do not define", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The documents do not define this value, or leave its meaning open. Read the text of the item. Often the device is newer than the documents.", HFILL}}}},
+        {&ei_sis_status_execution_error, {"sis.status.execution_error", PI_RESPONSE_CODE, PI_NOTE, "The status is an execution error", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The station understood the command but could not execute it. Read the error code in the reaction.", HFILL}}}},
+        {&ei_sis_status_telegram_error, {"sis.status.telegram_error", PI_RESPONSE_CODE, PI_WARN, "The status is a telegram error", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The station did not accept the command. Compare the command with its service: length, checksum, service, subaddresses.", HFILL}}}},
+        {&ei_sis_start_missing, {"sis.start.missing", PI_MALFORMED, PI_ERROR, "No start character 0x02", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The bytes do not begin like a telegram. Check baud rate and format of the capture, and that the data really are SIS.", HFILL}}}},
+        {&ei_sis_checksum_bad, {"sis.checksum.bad", PI_CHECKSUM, PI_ERROR, "Wrong checksum", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "A byte was changed or lost on the way to the tap. Look at line errors and losses at this packet. Check cable, termination, ground and baud rate.", HFILL}}}},
+        {&ei_sis_length_differ, {"sis.length.differ", PI_MALFORMED, PI_ERROR, "The two lengths differ: a bus does not answer this telegram, a point-to-point station answers with status 0xF2", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "One of the two lengths was damaged, so nobody knows where the telegram ends. Look at line errors and losses at this packet. Check cable, termination, ground and baud rate.", HFILL}}}},
+        {&ei_sis_length_short, {"sis.length.short", PI_MALFORMED, PI_ERROR, "The telegram is cut", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The telegram ends before its last byte. If the capture began or ended here, nothing is wrong. Else look for lost characters.", HFILL}}}},
+        {&ei_sis_length_long, {"sis.length.long", PI_PROTOCOL, PI_WARN, "Bytes follow the end of the telegram", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The packet has more bytes than the telegram. Check the program that made the capture: one telegram a packet is expected.", HFILL}}}},
+        {&ei_sis_telegrams_many, {"sis.telegrams.many", PI_UNDECODED, PI_NOTE, "More telegrams in a packet than are decoded: only those that begin in its first 32,768 bytes", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The rest of the packet is not decoded. Cut the data into smaller packets.", HFILL}}}},
+        {&ei_sis_length_header, {"sis.length.header", PI_MALFORMED, PI_ERROR, "Subaddresses and telegram number do not fit into the length", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The length is too small for the subaddresses and the telegram number that the header announces. Check the program of the sender.", HFILL}}}},
+        {&ei_sis_control_reserved_set, {"sis.control.reserved.set", PI_PROTOCOL, PI_NOTE, "Reserved bits of the telegram control are set (another edition? preference sis.edition)", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "IF02 and ECODRIVE03 use these bits in different ways. Try the other edition: preference sis.edition.", HFILL}}}},
+        {&ei_sis_control_status_set, {"sis.control.status.set", PI_RESPONSE_CODE, PI_NOTE, "The status in the telegram control is not 'no error'", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The station reports that the command is not done, or with a warning. Read the status. The master may have to ask again.", HFILL}}}},
+        {&ei_sis_control_status_error, {"sis.control.status.error", PI_RESPONSE_CODE, PI_WARN, "The status in the telegram control is an error", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The station could not do what the command asks. Read the error code in the reaction.", HFILL}}}},
+        {&ei_sis_control_warning_set, {"sis.control.warning.set", PI_RESPONSE_CODE, PI_NOTE, "The sender signals a system warning", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The sender has a warning, whatever this telegram is about. Read the diagnosis of that device, such as S-0-0390 or S-0-0095.", HFILL}}}},
+        {&ei_sis_control_error_set, {"sis.control.error.set", PI_RESPONSE_CODE, PI_WARN, "The sender signals a system error", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The sender has an error, whatever this telegram is about. Read the diagnosis of that device, such as S-0-0390 or S-0-0095.", HFILL}}}},
+        {&ei_sis_service_reserved, {"sis.service.reserved", PI_PROTOCOL, PI_NOTE, "Reserved service", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "No document describes this service. Check the sender's program, and the preference sis.edition.", HFILL}}}},
+        {&ei_sis_sender_service_master, {"sis.sender.service_master", PI_PROTOCOL, PI_NOTE, "Address 127, for service and emergencies only: not to be used while other masters communicate", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "Somebody has connected a service tool or an emergency master. Make sure that no other master speaks at the same time.", HFILL}}}},
+        {&ei_sis_sender_invalid, {"sis.sender.invalid", PI_PROTOCOL, PI_WARN, "A sender address is not above 127", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "No station can have this address. Check the sender's settings, and the preference sis.edition.", HFILL}}}},
+        {&ei_sis_receiver_reserved, {"sis.receiver.reserved", PI_PROTOCOL, PI_WARN, "Receiver address that is not assigned or reserved (another edition? preference sis.edition)", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "No station can have this address in this edition. Check the receiver address, and the preference sis.edition.", HFILL}}}},
+        {&ei_sis_receiver_level_broadcast, {"sis.receiver.level_broadcast", PI_PROTOCOL, PI_WARN, "254 may only be the last address of the list", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "After 254 no other address may follow. Correct the route in the master.", HFILL}}}},
+        {&ei_sis_reaction_unexpected, {"sis.reaction.unexpected", PI_PROTOCOL, PI_WARN, "A group or broadcast is not answered", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "Several stations would answer at once. Check which station answers to a group or broadcast address.", HFILL}}}},
+        {&ei_sis_sequence_ended, {"sis.sequence.ended", PI_SEQUENCE, PI_NOTE, "A transfer of sequential telegrams ended unfinished", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The pieces that came so far are not the whole value. Look what came between: a cancel, an error, or another access to the same device.", HFILL}}}},
+        {&ei_sis_sequence_piece_missing, {"sis.sequence.piece_missing", PI_SEQUENCE, PI_NOTE, "A piece of this transfer may be missing: something that came between was damaged, lost or refused", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The data are not joined, because one piece may be missing. Look for damaged or lost characters between the pieces. Then read the value again.", HFILL}}}},
+        {&ei_sis_tza_exceeded, {"sis.tza.exceeded", PI_PROTOCOL, PI_WARN, "TzA exceeded", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The receiver may have dropped this telegram. Look which station talks, and at which character. Reduce its load, or set a longer TzA.", HFILL}}}},
+        {&ei_sis_tza_unresolved, {"sis.tza.unresolved", PI_PROTOCOL, PI_NOTE, "TzA perhaps exceeded", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The interval may be longer or shorter than TzA: its time is not exact enough, or it depends on whether the character that ends it counts. No document says that. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond. If it depends on where TzA begins to count and you know it, set the preference sis.tza_from.", HFILL}}}},
+        {&ei_sis_trs_exceeded, {"sis.trs.exceeded", PI_PROTOCOL, PI_WARN, "TrS exceeded", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The master may have given up before this reaction came. Look which station is late, and in which service. Set a longer TrS in the master if the station may be that slow.", HFILL}}}},
+        {&ei_sis_trs_unresolved, {"sis.trs.unresolved", PI_PROTOCOL, PI_NOTE, "TrS perhaps exceeded", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The reaction may be later than TrS or not: its time is not exact enough, or it depends on whether its first character counts. No document says that. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.", HFILL}}}},
+        {&ei_sis_twm_early, {"sis.twm.early", PI_SEQUENCE, PI_NOTE, "Repeated before TrS was over", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The master did not wait until the slave's time was over. Set the waiting time of the master (TwM) longer than TrS.", HFILL}}}},
+        {&ei_sis_tmas_exceeded, {"sis.tmas.exceeded", PI_PROTOCOL, PI_WARN, "Tmas exceeded", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The drive may have stopped, because the master control word came too late. Look what kept the master from writing S-0-0134.", HFILL}}}},
+        {&ei_sis_tmas_unresolved, {"sis.tmas.unresolved", PI_PROTOCOL, PI_NOTE, "Tmas perhaps exceeded", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The cycle may be longer than Tmas or not: its times are not exact enough. Make the times more exact: instead of a log, capture with sistap, with the latency timer of an FTDI adapter at 1 ms. sistap doctor says how. A logic analyser decides to a microsecond.", HFILL}}}},
+        {&ei_sis_bus_baud_differs, {"sis.bus.baud.differs", PI_PROTOCOL, PI_NOTE, "The tap listens at another baud rate than the bus was told", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "Stations were told to use another rate than the one that the tap listens at. Start the tap with --follow-baud, or with the new rate.", HFILL}}}},
     };
     static int *subtrees[] = {&ett_sis, &ett_sis_control, &ett_sis_parameter_control, &ett_sis_data_status, &ett_sis_whole, &ett_sis_element, &ett_sis_sequence, &ett_sis_piece, &ett_sis_timing, &ett_sis_ident, &ett_sis_attribute, &ett_sis_list, &ett_sis_value};
     module_t *module;
@@ -771,9 +695,6 @@ protocol_register_sis(void)
     proto_sis = proto_register_protocol("Rexroth SIS serial protocol", "SIS", "sis");
     proto_register_field_array(proto_sis, fields, array_length(fields));
     expert_register_field_array(expert_register_protocol(proto_sis), experts, array_length(experts));
-    /* A registration has no place for a description. */
-    for (unsigned i = 0; i < array_length(experts); i++)
-        proto_registrar_get_nth((unsigned)experts[i].ids->hf)->blurb = meanings[i];
     proto_register_subtree_array(subtrees, array_length(subtrees));
     module = prefs_register_protocol(proto_sis, NULL);
     prefs_register_enum_preference(module, "edition", "Edition of the telegram header", "Address ranges, and bits 5 to 7 of the telegram control, differ between editions", &pref_sis_edition, choices_sis_edition, FALSE);
@@ -782,7 +703,6 @@ protocol_register_sis(void)
     prefs_register_uint_preference(module, "tza_ms", "TzA in ms", "Longest interval allowed between two characters of a telegram; 0: as the bus was told", 10, &pref_sis_tza_ms);
     prefs_register_enum_preference(module, "tza_from", "TzA counts from", "No document says whether the character that ends an interval counts. Unknown: where that decides, a verdict is unresolved", &pref_sis_tza_from, choices_sis_tza_from, FALSE);
     prefs_register_uint_preference(module, "trs_ms", "TrS in ms", "Longest reaction time allowed; 0: as the bus was told", 10, &pref_sis_trs_ms);
-    prefs_register_enum_preference(module, "dlt_user", "Decode a user link type as SIS", "Captures of this link type hold bare telegrams. Goes before the table of protocol DLT_USER while it is set", &pref_sis_dlt_user, choices_sis_dlt_user, FALSE);
     prefs_register_bool_preference(module, "tcp_heuristic", "Recognize SIS on any TCP port", "Where a segment starts with a whole telegram: equal lengths, right checksum; or with a command of the ASCII protocol", &pref_sis_tcp_heuristic);
     prefs_register_bool_preference(module, "udp_heuristic", "Recognize SIS on any UDP port", "The same for a datagram. Process data of a PPC may look like a telegram by chance", &pref_sis_udp_heuristic);
 }
@@ -814,28 +734,16 @@ protocol_register_3964r(void)
         {&hf_3964r_zvz_verdict, {"Verdict on ZVZ", "3964r.zvz.verdict", FT_UINT8, BASE_DEC, VALS(sis_procedure_verdicts), 0, "Whether the intervals in the block keep ZVZ, with the uncertainty of their times", HFILL}},
     };
     static ei_register_info experts[] = {
-        {&ei_3964r_bcc_bad, {"3964r.bcc.bad", PI_CHECKSUM, PI_ERROR, "Wrong block check character: the receiver answers NAK", EXPFILL}},
-        {&ei_3964r_broken, {"3964r.broken", PI_MALFORMED, PI_WARN, "The block does not end with DLE ETX BCC, or a DLE in it is not doubled", EXPFILL}},
-        {&ei_3964r_conflict, {"3964r.conflict", PI_SEQUENCE, PI_NOTE, "Both partners ask at once: the one with low priority gives way", EXPFILL}},
-        {&ei_3964r_unexpected, {"3964r.unexpected", PI_SEQUENCE, PI_NOTE, "There is nothing that this could answer", EXPFILL}},
-        {&ei_3964r_refused, {"3964r.refused", PI_RESPONSE_CODE, PI_NOTE, "The partner refuses", EXPFILL}},
-        {&ei_3964r_repeat, {"3964r.repeat", PI_SEQUENCE, PI_NOTE, "The same block again", EXPFILL}},
-        {&ei_3964r_unanswered, {"3964r.unanswered", PI_SEQUENCE, PI_NOTE, "Nobody answered what came before", EXPFILL}},
-        {&ei_3964r_tries, {"3964r.tries", PI_SEQUENCE, PI_WARN, "More tries than 3964R has", EXPFILL}},
-        {&ei_3964r_exceeded, {"3964r.exceeded", PI_PROTOCOL, PI_WARN, "A time of the procedure is exceeded", EXPFILL}},
-        {&ei_3964r_unresolved, {"3964r.unresolved", PI_PROTOCOL, PI_NOTE, "A time of the procedure is perhaps exceeded", EXPFILL}},
-    };
-    static const char *const meanings[] = {
-        "A byte of the block was changed or lost. Look at line errors and losses at this packet. The receiver should answer NAK, and the block comes again.",
-        "The block was cut, or damaged at a DLE. Look at line errors and losses at this packet, and at the pause after it.",
-        "Both partners wanted to send at the same time. Once is harmless. If it comes often, check that one partner has high and one low priority.",
-        "Nothing before it asks for this character. Look at the packets before it. The capture may have begun later.",
-        "The partner answered NAK. Look whether the block was damaged. If not, the partner is not ready.",
-        "The sender sends the block again, because it was refused or not acknowledged. Look at the answer to the block before.",
-        "The partner said nothing in time. Check that the partner runs, and its cable.",
-        "A sender gives up after six tries. Check the settings of the sender.",
-        "A partner was slower than the procedure allows. Look which partner was slow. Compare ZVZ and QVZ of both.",
-        "The time may be too long or not: it is not exact enough. Make the tap more exact: sistap doctor says how.",
+        {&ei_3964r_bcc_bad, {"3964r.bcc.bad", PI_CHECKSUM, PI_ERROR, "Wrong block check character: the receiver answers NAK", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "A byte of the block was changed or lost. Look at line errors and losses at this packet. The receiver should answer NAK, and the block comes again.", HFILL}}}},
+        {&ei_3964r_broken, {"3964r.broken", PI_MALFORMED, PI_WARN, "The block does not end with DLE ETX BCC, or a DLE in it is not doubled", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The block was cut, or damaged at a DLE. Look at line errors and losses at this packet, and at the pause after it.", HFILL}}}},
+        {&ei_3964r_conflict, {"3964r.conflict", PI_SEQUENCE, PI_NOTE, "Both partners ask at once: the one with low priority gives way", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "Both partners wanted to send at the same time. Once is harmless. If it comes often, check that one partner has high and one low priority.", HFILL}}}},
+        {&ei_3964r_unexpected, {"3964r.unexpected", PI_SEQUENCE, PI_NOTE, "There is nothing that this could answer", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "Nothing before it asks for this character. Look at the packets before it. The capture may have begun later.", HFILL}}}},
+        {&ei_3964r_refused, {"3964r.refused", PI_RESPONSE_CODE, PI_NOTE, "The partner refuses", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The partner answered NAK. Look whether the block was damaged. If not, the partner is not ready.", HFILL}}}},
+        {&ei_3964r_repeat, {"3964r.repeat", PI_SEQUENCE, PI_NOTE, "The same block again", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The sender sends the block again, because it was refused or not acknowledged. Look at the answer to the block before.", HFILL}}}},
+        {&ei_3964r_unanswered, {"3964r.unanswered", PI_SEQUENCE, PI_NOTE, "Nobody answered what came before", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The partner said nothing in time. Check that the partner runs, and its cable.", HFILL}}}},
+        {&ei_3964r_tries, {"3964r.tries", PI_SEQUENCE, PI_WARN, "More tries than 3964R has", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "A sender gives up after six tries. Check the settings of the sender.", HFILL}}}},
+        {&ei_3964r_exceeded, {"3964r.exceeded", PI_PROTOCOL, PI_WARN, "A time of the procedure is exceeded", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "A partner was slower than the procedure allows. Look which partner was slow. Compare ZVZ and QVZ of both.", HFILL}}}},
+        {&ei_3964r_unresolved, {"3964r.unresolved", PI_PROTOCOL, PI_NOTE, "A time of the procedure is perhaps exceeded", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The time may be too long or not: it is not exact enough. Make the tap more exact: sistap doctor says how.", HFILL}}}},
     };
     static int *subtrees[] = {&ett_3964r};
     module_t *module;
@@ -843,9 +751,6 @@ protocol_register_3964r(void)
     proto_3964r = proto_register_protocol("3964R procedure", "3964R", "3964r");
     proto_register_field_array(proto_3964r, fields, array_length(fields));
     expert_register_field_array(expert_register_protocol(proto_3964r), experts, array_length(experts));
-    /* A registration has no place for a description. */
-    for (unsigned i = 0; i < array_length(experts); i++)
-        proto_registrar_get_nth((unsigned)experts[i].ids->hf)->blurb = meanings[i];
     proto_register_subtree_array(subtrees, array_length(subtrees));
     module = prefs_register_protocol(proto_3964r, NULL);
     prefs_register_uint_preference(module, "zvz_ms", "ZVZ in ms", "Longest interval between two characters of a block; 0: no verdict", 10, &pref_3964r_zvz_ms);
@@ -924,33 +829,20 @@ protocol_register_synax(void)
         {&hf_synax_pieces_length, {"Length of the whole", "synax.pieces.length", FT_UINT32, BASE_DEC | BASE_UNIT_STRING, UNS(&unit_synax_pieces_length), 0, "Bytes of the joined data", HFILL}},
     };
     static ei_register_info experts[] = {
-        {&ei_synax_note, {"synax.note", PI_PROTOCOL, PI_NOTE, "Content that the documents do not define", EXPFILL}},
-        {&ei_synax_short, {"synax.short", PI_PROTOCOL, PI_WARN, "Bytes are missing", EXPFILL}},
-        {&ei_synax_unexpected, {"synax.unexpected", PI_PROTOCOL, PI_WARN, "More bytes than expected", EXPFILL}},
-        {&ei_synax_error, {"synax.error", PI_RESPONSE_CODE, PI_NOTE, "The answer reports an error", EXPFILL}},
-        {&ei_synax_failed, {"synax.failed", PI_RESPONSE_CODE, PI_WARN, "The fieldbus has failed", EXPFILL}},
-        {&ei_synax_unanswered, {"synax.unanswered", PI_SEQUENCE, PI_NOTE, "No answer before the next request", EXPFILL}},
-        {&ei_synax_unanswered_before, {"synax.unanswered_before", PI_SEQUENCE, PI_NOTE, "A request before this one got no answer", EXPFILL}},
-        {&ei_synax_pieces_too_many, {"synax.pieces.too_many", PI_SEQUENCE, PI_NOTE, "More than 8192 pieces: they are not joined", EXPFILL}},
-    };
-    static const char *const meanings[] = {
-        "The documents do not define this value, or leave its meaning open. Read the text of the item.",
-        "The data end before all fields are there. Compare the telegram with its layout.",
-        "Bytes follow that the telegram does not have. Compare the telegram with its layout.",
-        "The partner could not do what it was asked for. Read the error number.",
-        "Bit 3 of object 5FF2 is 0: the control has lost its fieldbus. Check the plugs, the cable and the master of the fieldbus. Object 5FF0 has a code for its fault.",
-        "The next request came before an answer. Look whether the partner runs, and how long its answers take at other times.",
-        "The request before this one got no answer. Look whether the partner runs, and how long its answers take at other times.",
-        "The transfer is longer than any that the documents allow. Look at the pieces one by one.",
+        {&ei_synax_note, {"synax.note", PI_PROTOCOL, PI_NOTE, "Content that the documents do not define", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The documents do not define this value, or leave its meaning open. Read the text of the item.", HFILL}}}},
+        {&ei_synax_short, {"synax.short", PI_PROTOCOL, PI_WARN, "Bytes are missing", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The data end before all fields are there. Compare the telegram with its layout.", HFILL}}}},
+        {&ei_synax_unexpected, {"synax.unexpected", PI_PROTOCOL, PI_WARN, "More bytes than expected", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "Bytes follow that the telegram does not have. Compare the telegram with its layout.", HFILL}}}},
+        {&ei_synax_error, {"synax.error", PI_RESPONSE_CODE, PI_NOTE, "The answer reports an error", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The partner could not do what it was asked for. Read the error number.", HFILL}}}},
+        {&ei_synax_failed, {"synax.failed", PI_RESPONSE_CODE, PI_WARN, "The fieldbus has failed", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "Bit 3 of object 5FF2 is 0: the control has lost its fieldbus. Check the plugs, the cable and the master of the fieldbus. Object 5FF0 has a code for its fault.", HFILL}}}},
+        {&ei_synax_unanswered, {"synax.unanswered", PI_SEQUENCE, PI_NOTE, "No answer before the next request", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The next request came before an answer. Look whether the partner runs, and how long its answers take at other times.", HFILL}}}},
+        {&ei_synax_unanswered_before, {"synax.unanswered_before", PI_SEQUENCE, PI_NOTE, "A request before this one got no answer", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The request before this one got no answer. Look whether the partner runs, and how long its answers take at other times.", HFILL}}}},
+        {&ei_synax_pieces_too_many, {"synax.pieces.too_many", PI_SEQUENCE, PI_NOTE, "More than 8192 pieces: they are not joined", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The transfer is longer than any that the documents allow. Look at the pieces one by one.", HFILL}}}},
     };
     static int *subtrees[] = {&ett_synax, &ett_synax_info, &ett_synax_pieces, &ett_synax_piece};
 
     proto_synax = proto_register_protocol("Rexroth SYNAX200 transports", "SYNAX", "synax");
     proto_register_field_array(proto_synax, fields, array_length(fields));
     expert_register_field_array(expert_register_protocol(proto_synax), experts, array_length(experts));
-    /* A registration has no place for a description. */
-    for (unsigned i = 0; i < array_length(experts); i++)
-        proto_registrar_get_nth((unsigned)experts[i].ids->hf)->blurb = meanings[i];
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 

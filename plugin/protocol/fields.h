@@ -482,7 +482,6 @@ extern compat_bool pref_sis_ecodrive_phases;
 extern unsigned pref_sis_tza_ms;
 extern int pref_sis_tza_from;
 extern unsigned pref_sis_trs_ms;
-extern int pref_sis_dlt_user;
 extern compat_bool pref_sis_tcp_heuristic;
 extern compat_bool pref_sis_udp_heuristic;
 extern unsigned pref_3964r_zvz_ms;

@@ -229,8 +229,10 @@ def _field(description: Description, field: Field) -> str:
 
 
 def _expert(item: Expert) -> str:
+    """Write an item as EXPFILL does, but with a description."""
     words = [_string(item.filter), f"PI_{item.group.upper()}", f"PI_{item.severity.upper()}", _string(item.says)]
-    return f"        {{&ei_{identifier(item.filter)}, {{{', '.join(words)}, EXPFILL}}}},"
+    field = f"{{0, {{NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, {_string(f'{item.means} {item.do}')}, HFILL}}}}"
+    return f"        {{&ei_{identifier(item.filter)}, {{{', '.join(words)}, 0, NULL, 0, {field}}}}},"
 
 
 def _helpers(description: Description) -> Iterator[str]:
@@ -263,9 +265,6 @@ def _register(description: Description, protocol: Protocol) -> Iterator[str]:
         yield "    static ei_register_info experts[] = {"
         yield from map(_expert, experts)
         yield "    };"
-        yield "    static const char *const meanings[] = {"
-        yield from (f"        {_string(f'{item.means} {item.do}')}," for item in experts)
-        yield "    };"
     yield f"    static int *subtrees[] = {{{', '.join(f'&ett_{name}' for name in _subtrees([protocol]))}}};"
     if protocol.preferences:
         yield "    module_t *module;"
@@ -276,9 +275,6 @@ def _register(description: Description, protocol: Protocol) -> Iterator[str]:
         yield f"    proto_register_field_array({proto}, fields, array_length(fields));"
     if experts:
         yield f"    expert_register_field_array(expert_register_protocol({proto}), experts, array_length(experts));"
-        yield "    /* A registration has no place for a description. */"
-        yield "    for (unsigned i = 0; i < array_length(experts); i++)"
-        yield "        proto_registrar_get_nth((unsigned)experts[i].ids->hf)->blurb = meanings[i];"
     yield "    proto_register_subtree_array(subtrees, array_length(subtrees));"
     if protocol.preferences:
         yield f"    module = prefs_register_protocol({proto}, NULL);"
@@ -290,7 +286,7 @@ def _register(description: Description, protocol: Protocol) -> Iterator[str]:
 def fields_c(description: Description) -> str:
     """Return fields.c."""
     lines = _made_from(SOURCES, ABOUT)
-    lines += ["", '#include "protocol/fields.h"', "", '#include "sertap/time.h"', ""]
+    lines += ["", '#include "protocol/fields.h"', "", '#include "items.h"', ""]
     lines += ["#define MOST_PORT 65535", "", *_helpers(description), ""]
     lines += [f"int proto_{protocol.key} = -1;" for protocol in description.protocols] + [""]
     lines += [f"int ett_{name} = -1;" for name in _subtrees(description.protocols)] + [""]

@@ -22,9 +22,6 @@
 /* Devices of one type that are asked for an attribute. More would say the same. */
 #define SIS_MOST_TWINS 8
 
-/* Rows of the table of accesses below the first. Accesses without a row are still counted in the first. */
-#define SIS_MOST_ROWS 10000
-
 /* Elements of a list in the text of its value. */
 #define SIS_SHOWN_IN_LIST 4
 

@@ -357,7 +357,7 @@ frame_characters(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sert
                                                   (int)record->count),
              *own;
 
-    if (tree == NULL || !PTREE_DATA(tree)->visible || record->values == 0)
+    if (tree == NULL || record->values == 0 || !proto_field_is_referenced(tree, hf_sertap_data))
         return part;
     own = tvb_new_child_real_data(tvb, tvb_memdup(pinfo->pool, part, 0, record->values), record->values,
                                   (int)record->count);
@@ -451,7 +451,7 @@ register_decode_as_framing(void)
     register_decode_as(&decode_as);
 }
 
-/* Other protocols of such sis_sertap_lines that are cut by silence. */
+/* Other protocols of such lines, cut by silence. */
 void
 sertap_handoff(void)
 {

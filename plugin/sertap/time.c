@@ -63,12 +63,6 @@ sertap_add_column_ms(proto_tree *tree, int hf, tvbuff_t *tvb, int64_t ns)
     proto_item_set_hidden(item);
 }
 
-void
-sertap_format_ms(char *text, double ms)
-{
-    g_ascii_formatd(text, ITEM_LABEL_LENGTH, "%.3f", ms); /* unlike printf(), the same in all languages */
-}
-
 bool
 sertap_can_be_counted(const packet_info *pinfo)
 {

@@ -41,7 +41,4 @@ proto_item *sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offs
  * the time already. */
 void sertap_add_column_ms(proto_tree *tree, int hf, tvbuff_t *tvb, int64_t ns);
 
-/* custom_fmt_func_double_t: always three digits, so that the points of a column stand below each other. */
-void sertap_format_ms(char *text, double ms);
-
 #endif

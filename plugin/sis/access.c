@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Reads and writes of parameters. Nothing is computed unless a tap listens or the field is requested. */
+/* Reads and writes of parameters. Nothing is computed unless the field is requested. */
 #include "sis/access.h"
 
-#include <epan/tap.h>
 #include <epan/to_str.h>
 
 #include "parameters/text.h"
@@ -13,8 +12,6 @@
 #define SHOWN_BYTES      16u
 #define SHOWN_CHARACTERS 80u
 
-static int access_tap = -1;
-
 void
 sis_keep_written(sis_body_t *body)
 {
@@ -22,16 +19,10 @@ sis_keep_written(sis_body_t *body)
     body->request->written = tvb_memdup(wmem_file_scope(), body->data, 0, body->request->written_length);
 }
 
-static bool
-is_field_wanted(proto_tree *tree)
-{
-    return tree != NULL && proto_field_is_referenced(tree, hf_sis_access);
-}
-
 bool
 sis_access_is_wanted(proto_tree *tree)
 {
-    return have_tap_listener(access_tap) || is_field_wanted(tree);
+    return tree != NULL && proto_field_is_referenced(tree, hf_sis_access);
 }
 
 /* A reaction that comes twice is counted once. */
@@ -58,10 +49,11 @@ set_value(sis_access_t *access, packet_info *pinfo, tvbuff_t *tvb)
 {
     sis_element_data_t data = {tvb, ENC_LITTLE_ENDIAN, true, &access->place};
     const char *text = sis_add_element(NULL, pinfo, &data, SIS_ELEMENT_DATA, &access->ident, &access->known);
+    double number;
 
     access->data = tvb;
     access->is_raw = text == NULL;
-    access->is_number = text != NULL && sis_element_number(&data, &access->known, text, &access->number);
+    access->is_number = text != NULL && sis_element_number(&data, &access->known, text, &number);
     access->value =
         text != NULL ? sis_text_shortened(pinfo->pool, text, SHOWN_CHARACTERS) : bytes_text(pinfo->pool, tvb);
 }
@@ -146,17 +138,8 @@ json_text(wmem_allocator_t *scope, const sis_access_t *access)
 void
 sis_access_tell(const sis_access_t *access, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree)
 {
-    if (have_tap_listener(access_tap))
-        tap_queue_packet(access_tap, pinfo, access);
-    if (is_field_wanted(tree))
-        proto_item_set_hidden(
-            proto_tree_add_string(tree, hf_sis_access, tvb, 0, 0, json_text(pinfo->pool, access)));
-}
-
-void
-sis_access_register(void)
-{
-    access_tap = register_tap("sis_access");
+    proto_item_set_hidden(
+        proto_tree_add_string(tree, hf_sis_access, tvb, 0, 0, json_text(pinfo->pool, access)));
 }
 
 static void
@@ -166,9 +149,7 @@ note(sis_body_t *body, bool is_write, const char *error, tvbuff_t *data)
     sis_access_t *access = wmem_new0(body->pinfo->pool, sis_access_t);
 
     access->is_write = is_write;
-    access->is_refused = error != NULL;
     access->error = error;
-    access->bus = body->record->exchange->stream->bus->number;
     access->has_master = true;
     access->master = body->telegram->listener;
     access->place = sis_station_of(body, asked->device);

@@ -6,11 +6,9 @@
 
 #include "sis/station.h"
 
-/* Received by the tap "sis_access" and by users of the field sis.access. */
+/* Told by the field sis.access. */
 typedef struct {
     bool is_write;
-    bool is_refused;
-    uint32_t bus; /* number of the line or connection */
     bool has_master;
     uint8_t master; /* the station that sent the command */
     sis_place_t place;
@@ -20,16 +18,15 @@ typedef struct {
     const char *value; /* as displayed, bytes if its attribute is unknown; NULL: missing or incomplete */
     bool is_raw;       /* bytes */
     bool is_number;
-    double number; /* the number in `value` */
     tvbuff_t *data;
     const char *text;  /* of the ASCII protocol, all of it: elements with ", " between; NULL: none */
     const char *error; /* of a refused access */
 } sis_access_t;
 
-/* Whether anybody listens, or wants the field in this tree. */
+/* Whether anybody wants the field in this tree. */
 bool sis_access_is_wanted(proto_tree *tree);
 
-/* Tells it to those; `access` lives as long as the packet. */
+/* Tells it. */
 void sis_access_tell(const sis_access_t *access, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree);
 
 /* First pass: a command has all data to write. */

@@ -74,12 +74,6 @@ stream_of_command(sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
     return stream;
 }
 
-uint32_t
-sis_stream_count(void)
-{
-    return wmem_map_size(streams);
-}
-
 sis_direction_t *
 sis_exchange_direction(const sis_exchange_t *exchange)
 {

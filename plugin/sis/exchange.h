@@ -69,7 +69,4 @@ sis_bus_t *sis_exchange_bus(packet_info *pinfo);
 void sis_exchange_learn(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo,
                         const sis_telegram_t *telegram);
 
-/* How many pairs of stations have talked; their numbers, sis.stream, begin at 0. */
-uint32_t sis_stream_count(void);
-
 #endif

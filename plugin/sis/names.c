@@ -9,6 +9,9 @@
 #define FIRST_DISC    0xE0
 #define LAST_RESERVED 0xFF
 
+/* Between 0x10 and this one, what has no name is reserved. */
+#define LAST_GENERAL 0x7F
+
 static const range_string *
 service_entry(uint8_t service)
 {
@@ -53,7 +56,9 @@ sis_may_answer_subservice(uint8_t service, uint8_t asked, uint8_t answered)
 bool
 sis_service_is_reserved(uint8_t service)
 {
-    return strcmp(service_entry(service)->strptr, "Reserved service") == 0;
+    uint32_t last = service_entry(service)->value_max; /* of the range that it is in */
+
+    return last == LAST_GENERAL || last == LAST_RESERVED;
 }
 
 uint8_t

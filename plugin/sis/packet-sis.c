@@ -468,7 +468,6 @@ dissect_whole_telegram(dissection_t *d)
     if (d->tree)
         proto_item_append_text(d->root, ", %s, %s, %s", stations, kind,
                                sis_text_shortened(d->pinfo->pool, words, HEAD_LENGTH));
-    d->telegram->before = packet->last;
     packet->last = d->telegram;
     tap_queue_packet(sis_tap, d->pinfo, d->telegram);
 }

@@ -8,6 +8,7 @@
 #include "kept.h"
 #include "parts.h"
 #include "protocol/fields.h"
+#include "protocol/limits.h"
 
 #define FIELDS(pieces)                                                                                       \
     &hf_##pieces, &hf_##pieces##_piece, &hf_##pieces##_overlap, &hf_##pieces##_overlap_conflict,             \
@@ -19,7 +20,15 @@ static const fragment_items items[SIS_PIECES_KINDS] = {
     [SIS_PIECES_OF_SYNAX] = {&ett_synax_piece, &ett_synax_pieces, FIELDS(synax_pieces), "pieces"},
 };
 
+/* How far a transfer of SYNAX is. */
+typedef struct {
+    uint64_t transfer;
+    unsigned count;   /* of its pieces */
+    uint32_t full_in; /* the first piece too many; 0: none */
+} state_t;
+
 static reassembly_table table;
+static wmem_map_t *states;   /* by transfer */
 static wmem_map_t *counters; /* of the file: a single one, how many transfers there are */
 
 /* The number alone identifies a transfer: the stations were compared before. */
@@ -59,6 +68,29 @@ sis_put_together(sis_pieces_t kind, proto_tree *tree, packet_info *pinfo, tvbuff
     return NULL;
 }
 
+/* The number of a piece; only in the first pass. */
+static unsigned
+count_piece(const packet_info *pinfo, state_t *state)
+{
+    if (state->count == SIS_MOST_PIECES)
+        state->full_in = pinfo->num;
+    return state->count++;
+}
+
+tvbuff_t *
+sis_put_next(proto_tree *tree, packet_info *pinfo, tvbuff_t *piece, uint32_t transfer, bool is_last)
+{
+    uint64_t key = transfer;
+    state_t *state = kept_value(states, &key, sizeof key, sizeof *state);
+    unsigned number = pinfo->fd->visited ? 0 : count_piece(pinfo, state);
+
+    if (state->full_in != 0 && pinfo->num >= state->full_in) { /* this one, or one after it */
+        expert_add_info(pinfo, proto_tree_get_parent(tree), &ei_synax_pieces_too_many);
+        return NULL;
+    }
+    return sis_put_together(SIS_PIECES_OF_SYNAX, tree, pinfo, piece, transfer, number, is_last);
+}
+
 void
 sis_pieces_register(void)
 {
@@ -67,4 +99,5 @@ sis_pieces_register(void)
 
     reassembly_table_register(&table, &functions);
     counters = kept_map_of_pointers();
+    states = kept_map_of_numbers();
 }

@@ -17,4 +17,8 @@ typedef enum { SIS_PIECES_OF_SIS, SIS_PIECES_OF_SYNAX, SIS_PIECES_KINDS } sis_pi
 tvbuff_t *sis_put_together(sis_pieces_t kind, proto_tree *tree, packet_info *pinfo, tvbuff_t *piece,
                            uint32_t transfer, unsigned number, bool is_last);
 
+/* The same for SYNAX: the pieces are numbered here, and after too many of them none are joined. */
+tvbuff_t *
+sis_put_next(proto_tree *tree, packet_info *pinfo, tvbuff_t *piece, uint32_t transfer, bool is_last);
+
 #endif

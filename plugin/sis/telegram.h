@@ -38,12 +38,11 @@ typedef struct sis_error {
 } sis_error_t;
 
 /* One telegram; the tap "sis" receives it. */
-typedef struct sis_telegram {
-    const struct sis_telegram *before; /* in the same packet; NULL: none */
-    tvbuff_t *tvb;                     /* begins with it; what is no part of it may follow */
-    unsigned length;                   /* of its bytes in the packet, without those that follow it */
-    unsigned declared;                 /* declared bytes; 0: unknown */
-    bool is_good;                      /* start character, equal lengths, complete, checksum */
+typedef struct {
+    tvbuff_t *tvb;     /* begins with it; what is no part of it may follow */
+    unsigned length;   /* of its bytes in the packet, without those that follow it */
+    unsigned declared; /* declared bytes; 0: unknown */
+    bool is_good;      /* start character, equal lengths, complete, checksum */
     uint8_t control;
     uint8_t service;
     uint8_t sender;

@@ -245,11 +245,11 @@ consider(sis_longest_t *longest, const sis_times_t *times, sis_interval_t interv
 }
 
 sis_longest_t
-sis_longest(const sis_times_t *times, int64_t limit, sis_from_t from)
+sis_longest(wmem_allocator_t *scope, const sis_times_t *times, int64_t limit, sis_from_t from)
 {
     sis_longest_t longest = {0};
     measure_t measure = {limit, from};
-    read_t *reads = wmem_alloc_array(NULL, read_t, times->count);
+    read_t *reads = wmem_alloc_array(scope, read_t, times->count);
     unsigned count = find_reads(times, reads);
 
     if (limit == 0)
@@ -269,7 +269,6 @@ sis_longest(const sis_times_t *times, int64_t limit, sis_from_t from)
             consider(&longest, times, interval, flags_of(times->record, read->first + 1), &measure);
         }
     }
-    wmem_free(NULL, reads);
     return longest;
 }
 

@@ -63,7 +63,7 @@ typedef struct {
 } sis_longest_t;
 
 /* The limit in ns; 0: none, and nothing exceeds it. Only where times->record is not NULL. */
-sis_longest_t sis_longest(const sis_times_t *times, int64_t limit, sis_from_t from);
+sis_longest_t sis_longest(wmem_allocator_t *scope, const sis_times_t *times, int64_t limit, sis_from_t from);
 
 /* Whether a duration up to this telegram was measured: in a read of the tap all characters have its time,
  * and a clock that was set back measures nothing. */

@@ -385,7 +385,8 @@ find_timing(timing_t *t)
     find_silence(timing, &t->telegram->times);
     timing->tza = limit(t, SIS_TZA, pref_sis_tza_ms);
     if (is_longest_wanted(t))
-        timing->longest = sis_longest(&t->telegram->times, timing->tza, (sis_from_t)pref_sis_tza_from);
+        timing->longest = sis_longest(t->body->pinfo->pool, &t->telegram->times, timing->tza,
+                                      (sis_from_t)pref_sis_tza_from);
     timing->has_reaction_time = is_answer && exchange->is_measured;
     if (is_answer && t->telegram->subaddress_count == 0 && t->telegram->times.record != NULL)
         timing->trs = limit(t, SIS_TRS, pref_sis_trs_ms);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Sources of SIS telegrams besides the serial tap: TCP, UDP, RTAC serial captures, a user link type. */
+/* Sources of SIS telegrams besides the serial tap: TCP, UDP, RTAC serial captures. */
 #include "parts.h"
-
-#include <wiretap/wtap.h>
 
 #include "protocol/fields.h"
 #include "sis/frame.h"
@@ -12,10 +10,7 @@
 /* S/IP, another protocol of the same drives. */
 #define SIP_PORT 35021
 
-#define DLT_USER_OFF (-1)
-
 static dissector_handle_t tcp_handle;
-static int dlt_user_taken = DLT_USER_OFF;
 
 typedef enum { NO_TELEGRAM, GOOD, DAMAGED, INCOMPLETE } candidate_t;
 
@@ -113,22 +108,6 @@ dissect_udp_heuristic(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, void 
            sis_recognize(tvb, pinfo, tree, sis_handle, sis_dissect_packet);
 }
 
-/* An entry of "wtap_encap" silently overrides the user's own DLT_USER table. So none is made unless
- * requested, and the link type is returned to that table afterwards. */
-static void
-apply_dlt_user(void)
-{
-    if (pref_sis_dlt_user == dlt_user_taken)
-        return;
-    if (dlt_user_taken != DLT_USER_OFF) {
-        dissector_delete_uint("wtap_encap", WTAP_ENCAP_USER0 + dlt_user_taken, sis_handle);
-        dissector_add_uint("wtap_encap", WTAP_ENCAP_USER0 + dlt_user_taken, find_dissector("user_dlt"));
-    }
-    if (pref_sis_dlt_user != DLT_USER_OFF)
-        dissector_add_uint("wtap_encap", WTAP_ENCAP_USER0 + pref_sis_dlt_user, sis_handle);
-    dlt_user_taken = pref_sis_dlt_user;
-}
-
 void
 sis_transports_handoff(void)
 {
@@ -138,6 +117,4 @@ sis_transports_handoff(void)
     heur_dissector_add("tcp", dissect_tcp_heuristic, "SIS over TCP", "sis_tcp", proto_sis, HEURISTIC_ENABLE);
     heur_dissector_add("udp", dissect_udp_heuristic, "SIS over UDP", "sis_udp", proto_sis, HEURISTIC_ENABLE);
     dissector_add_for_decode_as("rtacser.data", sis_handle);
-    /* For each file, and not when preferences are applied: a change of profile resets them without that. */
-    register_init_routine(apply_dlt_user);
 }

@@ -9,8 +9,7 @@
 #include "protocol/fields.h"
 #include "sertap/time.h"
 #include "sis/pieces.h"
-#include "synax/head.h"
-#include "synax/pieces.h"
+#include "rk512/head.h"
 #include "synax/ways.h"
 
 #define PROTOCOL_ID 0x7F
@@ -420,7 +419,7 @@ add_parameter(telegram_t *t)
              "More is to follow, but the data do not begin with the lengths of a list");
     }
     if (t->kept->transfer != NULL)
-        synax_put_together(t->tree, t->pinfo, data, t->kept->transfer->number, false);
+        sis_put_next(t->tree, t->pinfo, data, t->kept->transfer->number, false);
 }
 
 static void
@@ -495,8 +494,8 @@ add_follow_up(telegram_t *t)
     }
     if (t->kept->is_out_of_order)
         mark(t, NULL, &ei_synax_note, "Its message number does not follow that of the piece before");
-    whole = synax_put_together(t->tree, t->pinfo, tvb_new_subset_length(t->tvb, SHORT_HEAD, length),
-                               transfer->number, t->kept->is_last_piece);
+    whole = sis_put_next(t->tree, t->pinfo, tvb_new_subset_length(t->tvb, SHORT_HEAD, length),
+                         transfer->number, t->kept->is_last_piece);
     if (whole != NULL)
         add_whole(t, whole);
 }

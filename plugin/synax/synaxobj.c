@@ -11,7 +11,6 @@
 #include "sertap/time.h"
 #include "sis/frame.h"
 
-#define HEAD_SIZE   3u /* for tests of the dissector by name; not on any bus */
 #define WORD_SIZE   2u
 #define MOST_FIELDS 2
 
@@ -73,14 +72,6 @@ synaxobj_is_known(uint16_t number)
     return find_object(number) != NULL;
 }
 
-static bool
-holds_telegrams(uint16_t number)
-{
-    const object_t *object = find_object(number);
-
-    return object != NULL && object->content == OF_TELEGRAMS;
-}
-
 /* What is written, until the object is written again. */
 typedef struct {
     uint32_t frame;
@@ -137,7 +128,7 @@ find_link(packet_info *pinfo, uint32_t place, const synaxobj_access_t *access)
                         .object = (uint64_t)access->channel << 16 | access->number};
     link_t *link = kept_of_packet(pinfo, proto_synaxobj, place, sizeof *link);
 
-    if (PINFO_FD_VISITED(pinfo) || !holds_telegrams(access->number))
+    if (PINFO_FD_VISITED(pinfo) || find_object(access->number)->content != OF_TELEGRAMS)
         return link;
     if (access->operation == SYNAXOBJ_WRITE_REQUEST)
         begin_exchange(&key, pinfo, link);
@@ -282,13 +273,9 @@ dissect_unknown(const dissection_t *d)
 {
     add_raw(d, hf_synaxobj_raw, d->offset, d->length);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "  %u byte%s", d->length, plurality(d->length, "", "s"));
-    if (synaxobj_is_known(d->access->number))
-        expert_add_info_format(d->pinfo, d->root, &ei_synax_note,
-                               "Control or status word of the multiplex channel: which bits are Index_out_c, "
-                               "Index_in_c, RR and RA is not defined");
-    else
-        expert_add_info_format(d->pinfo, d->root, &ei_synax_note, "What object 0x%04X holds is not defined",
-                               d->access->number);
+    expert_add_info_format(d->pinfo, d->root, &ei_synax_note,
+                           "Control or status word of the multiplex channel: which bits are Index_out_c, "
+                           "Index_in_c, RR and RA is not defined");
 }
 
 /* A write request and a read answer contain the object, the others do not. */
@@ -299,31 +286,17 @@ has_content(const synaxobj_access_t *access)
 }
 
 static void
-dissect_without_content(const dissection_t *d)
-{
-    add_raw(d, hf_synaxobj_raw, d->offset, d->length);
-    if (try_val_to_str(d->access->operation, sis_synaxobj_operations) == NULL)
-        expert_add_info_format(d->pinfo, d->root, &ei_synax_note, "Operation %u is not defined",
-                               d->access->operation);
-    else if (d->length > 0)
-        expert_add_info_format(d->pinfo, d->root, &ei_synax_unexpected, "A %s has no data",
-                               val_to_str_const(d->access->operation, sis_synaxobj_operations, ""));
-}
-
-static void
 dissect_content(const dissection_t *d)
 {
     const object_t *object = find_object(d->access->number);
 
-    if (!has_content(d->access)) {
-        dissect_without_content(d);
+    if (!has_content(d->access))
         return;
-    }
-    if (object != NULL && object->size > 0 && d->length > object->size)
+    if (object->size > 0 && d->length > object->size)
         expert_add_info_format(d->pinfo, d->root, &ei_synax_unexpected, "More bytes than the object has");
     if (d->length == 0)
         expert_add_info_format(d->pinfo, d->root, &ei_synax_short, "The content of the object is missing");
-    else if (object == NULL || object->content == OF_NOTHING_KNOWN)
+    else if (object->content == OF_NOTHING_KNOWN)
         dissect_unknown(d);
     else if (object->content == OF_BITS)
         dissect_word(d, object);
@@ -331,95 +304,28 @@ dissect_content(const dissection_t *d)
         dissect_telegram(d);
 }
 
-static dissection_t
-begin(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, unsigned offset, unsigned length)
-{
-    dissection_t d = {.tvb = tvb, .pinfo = pinfo, .parent = parent, .offset = offset, .length = length};
-
-    col_set_str(pinfo->cinfo, COL_PROTOCOL, "SYNAXOBJ");
-    d.root = proto_tree_add_item(parent, proto_synaxobj, tvb, offset, length, ENC_NA);
-    d.tree = proto_item_add_subtree(d.root, ett_synaxobj);
-    return d;
-}
-
-static const char *
-operation_text(wmem_allocator_t *scope, unsigned operation)
-{
-    const char *text = try_val_to_str(operation, sis_synaxobj_operations);
-
-    return text != NULL ? text : wmem_strdup_printf(scope, "operation %u", operation);
-}
-
-static void
-name_root(const dissection_t *d)
-{
-    proto_item_append_text(d->root, ", 0x%04X %s", d->access->number,
-                           operation_text(d->pinfo->pool, d->access->operation));
-}
-
 void
 synaxobj_dissect(tvbuff_t *tvb, unsigned offset, unsigned length, packet_info *pinfo, proto_tree *parent,
                  const synaxobj_access_t *access)
 {
-    dissection_t d = begin(tvb, pinfo, parent, offset, length);
+    dissection_t d = {
+        .tvb = tvb, .pinfo = pinfo, .parent = parent, .access = access, .offset = offset, .length = length};
 
-    d.access = access;
+    col_set_str(pinfo->cinfo, COL_PROTOCOL, "SYNAXOBJ");
+    d.root = proto_tree_add_item(parent, proto_synaxobj, tvb, offset, length, ENC_NA);
+    d.tree = proto_item_add_subtree(d.root, ett_synaxobj);
     add_generated(d.tree, hf_synaxobj_index, tvb, access->number);
     add_generated(d.tree, hf_synaxobj_operation, tvb, access->operation);
-    name_root(&d);
+    proto_item_append_text(d.root, ", 0x%04X %s", access->number,
+                           val_to_str_const(access->operation, sis_synaxobj_operations, ""));
     col_append_fstr(pinfo->cinfo, COL_INFO, "  0x%04X", access->number);
     show_link(&d, find_link(pinfo, tvb_raw_offset(tvb) + offset, access));
     dissect_content(&d);
 }
 
-/* The head is defined by this project, in docs/synax200-objects.md. */
-static void
-dissect_named(const dissection_t *d)
-{
-    bool is_cut = tvb_captured_length(d->tvb) < tvb_reported_length(d->tvb);
-
-    proto_tree_add_item(d->tree, hf_synaxobj_index, d->tvb, 0, 2, ENC_BIG_ENDIAN);
-    proto_tree_add_item(d->tree, hf_synaxobj_operation, d->tvb, 2, 1, ENC_NA);
-    name_root(d);
-    col_append_fstr(d->pinfo->cinfo, COL_INFO, "0x%04X %s", d->access->number,
-                    operation_text(d->pinfo->pool, d->access->operation));
-    if (is_cut) {
-        add_raw(d, hf_synaxobj_raw, d->offset, d->length);
-    } else {
-        show_link(d, find_link(d->pinfo, tvb_raw_offset(d->tvb), d->access));
-        dissect_content(d);
-    }
-}
-
-static int
-dissect_synaxobj(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
-{
-    unsigned there = tvb_captured_length(tvb);
-    dissection_t d = begin(tvb, pinfo, parent, 0, there);
-    synaxobj_access_t access = {0};
-
-    col_clear(pinfo->cinfo, COL_INFO);
-    if (there < HEAD_SIZE) {
-        add_raw(&d, hf_synaxobj_raw, 0, there);
-        col_append_str(pinfo->cinfo, COL_INFO, "Object without its head");
-        if (there == tvb_reported_length(tvb))
-            expert_add_info_format(pinfo, d.root, &ei_synax_short, "Index and operation have 3 bytes");
-    } else {
-        access.number = compat_get_uint16(tvb, 0, ENC_BIG_ENDIAN);
-        access.operation = compat_get_uint8(tvb, 2);
-        d.access = &access;
-        d.offset = HEAD_SIZE;
-        d.length = there - HEAD_SIZE;
-        dissect_named(&d);
-    }
-    tvb_ensure_bytes_exist(tvb, 0, (int)tvb_reported_length(tvb));
-    return (int)there;
-}
-
 void
 synax_synaxobj_register(void)
 {
-    register_dissector("synaxobj", dissect_synaxobj, proto_synaxobj);
     requests = kept_map(hash_object_key_t, are_equal_object_key_t);
 }
 

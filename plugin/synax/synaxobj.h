@@ -10,7 +10,7 @@
 /* The action, and its object. */
 typedef struct {
     uint16_t number;
-    uint8_t operation; /* synaxobj_operation_t, or an invalid number */
+    synaxobj_operation_t operation;
     uint8_t
         channel; /* distinguishes the devices of a bus, such as a communication reference; 0: there is one */
 } synaxobj_access_t;
@@ -18,7 +18,8 @@ typedef struct {
 /* Whether it is one of these objects. */
 bool synaxobj_is_known(uint16_t number);
 
-/* An object on another bus: `length` available bytes at `offset`. Appends to the info column. */
+/* An object that is known, on another bus: `length` available bytes at `offset`. Appends to the info column.
+ */
 void synaxobj_dissect(tvbuff_t *tvb, unsigned offset, unsigned length, packet_info *pinfo, proto_tree *parent,
                       const synaxobj_access_t *access);
 

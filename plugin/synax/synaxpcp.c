@@ -30,20 +30,6 @@ static const access_t accesses[] = {
     {0x01A1, false, false, true},  {0x01A2, false, true, true},
 };
 
-/* Error class, error code, additional code as one number, as NIBA-01 prints them; those of a parameter's
- * value are left out, as they are of its drives. */
-static const value_string error_texts[] = {
-    {0x06030000, "no access"},
-    {0x06050011, "invalid subindex"},
-    {0x06050012, "data too long"},
-    {0x06050013, "data too short"},
-    {0x06060000, "the object is not a parameter"},
-    {0x06070000, "the object does not exist"},
-    {0x08000000, "the service cannot be executed"},
-    {0x08000020, "the service cannot be executed now"},
-    {0, NULL},
-};
-
 static const access_t *
 find_access(uint16_t code)
 {
@@ -252,7 +238,7 @@ dissect_error(const dissection_t *d)
     proto_item *item =
         proto_tree_add_item(d->tree, hf_synaxpcp_error, d->tvb, REFERENCE_END, 4, ENC_BIG_ENDIAN);
     proto_tree *tree = proto_item_add_subtree(item, ett_synaxpcp_error);
-    const char *text = try_val_to_str(error, error_texts);
+    const char *text = try_val_to_str(error, sis_synaxpcp_errors);
     const char *words = wmem_strdup_printf(d->pinfo->pool, "Error class %u, code %u, additional 0x%04x%s%s",
                                            error >> 24, error >> 16 & 0xFF, error & 0xFFFF,
                                            text != NULL ? ", at ABB: " : "", text != NULL ? text : "");

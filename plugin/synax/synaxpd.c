@@ -123,7 +123,7 @@ is_udp(const packet_info *pinfo)
     return pinfo->ptype == PT_UDP;
 }
 
-/* The preference selects the port of the PPC; a packet without pref_synaxpd_ports may have a direction of its
+/* The preference selects the port of the PPC; a packet without ports may have a direction of its
  * own. */
 static direction_t
 find_direction(const packet_info *pinfo)

@@ -15,7 +15,6 @@
 #include "protocol/limits.h"
 #include "sis/names.h"
 #include "sis/pieces.h"
-#include "synax/pieces.h"
 #include "synax/ways.h"
 
 #define CHANNEL_SIZE 12u /* six words (SYNAX, page 3-3) */
@@ -402,7 +401,7 @@ add_sis_format(channel_t *c)
     if (c->is_short)
         return NULL;
     if (kept->transfer != 0)
-        whole = synax_put_together(c->tree, c->pinfo, piece, kept->transfer, is_last);
+        whole = sis_put_next(c->tree, c->pinfo, piece, kept->transfer, is_last);
     return whole != NULL ? add_sis_data(c, whole) : NULL;
 }
 

@@ -23,8 +23,8 @@ from sistap.tap.files import pcapng  # noqa: E402
 from sistap.tap.records import record  # noqa: E402
 
 # As sequence.h has them.
-BY_NAME = ("sertap", "sis", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxobj", "synaxpcp", "synaxpd")
-USER0, RTAC, TCP = 9, 10, 11
+BY_NAME = ("sertap", "sis", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxpcp", "synaxpd")
+USER0, RTAC, TCP = 8, 9, 10
 QUIRK_CUT, QUIRK_SECONDS, QUIRK_SECTION = 0x01, 0x02, 0x10
 HEAD = struct.Struct("<IIB")
 PACKET = struct.Struct("<BBBqI")

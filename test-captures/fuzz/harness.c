@@ -18,7 +18,6 @@
 #include <epan/dfilter/dfilter.h>
 #include <epan/epan.h>
 #include <epan/epan_dissect.h>
-#include <epan/follow.h>
 #include <epan/packet.h>
 #include <epan/prefs.h>
 #include <epan/tap.h>
@@ -63,7 +62,7 @@ typedef struct {
 } capture_t;
 
 static const char *const names[ROAD_SYNAXPD + 1] = {
-    "sertap", "sis", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxobj", "synaxpcp", "synaxpd",
+    "sertap", "sis", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxpcp", "synaxpd",
 };
 
 static column_info columns;
@@ -268,10 +267,6 @@ ask_decode_as(const decode_as_t *table, packet_info *pinfo)
 static void
 use_menus(epan_dissect_t *edt)
 {
-    register_follow_t *follower = get_follow_by_name("SIS");
-    unsigned stream, sub_stream;
-
-    g_free(get_follow_conv_func(follower)(edt, &edt->pi, &stream, &sub_stream));
     for (GList *at = packet_conv_filter_list; at != NULL; at = at->next) {
         const conversation_filter_t *conversation = (const conversation_filter_t *)at->data;
 
@@ -360,18 +355,15 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     return 0;
 }
 
-/* As `-d rtacser.data,sis -d tcp.port==4200,sis -o sis.dlt_user:user0`. */
+/* As `-d rtacser.data,sis -d tcp.port==4200,sis`; a link type of the user is SIS. */
 static void
 decode_as(void)
 {
     dissector_handle_t sis = find_dissector("sis");
-    char setting[] = "sis.dlt_user:user0", *error = NULL;
 
     dissector_change_payload("rtacser.data", sis);
     dissector_change_uint("tcp.port", SERVER, sis);
-    if (prefs_set_pref(setting, &error) != PREFS_SET_OK)
-        g_error("sis.dlt_user: %s", error);
-    prefs_apply(prefs_find_module("sis"));
+    dissector_change_uint("wtap_encap", WTAP_ENCAP_USER0, sis);
 }
 
 /* Started by root, Wireshark would read its own tables of names and not the empty folder that `run` names:

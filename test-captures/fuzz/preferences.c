@@ -21,7 +21,6 @@ static const struct {
     {"synaxpk", "direction", {"guess", "master", "slave", "guess"}},
     {"synaxpd", "swap_bytes", {"FALSE", "TRUE", "FALSE", "TRUE"}},
     {"synaxpd", "swap_words", {"FALSE", "FALSE", "TRUE", "TRUE"}},
-    {"sis", "dlt_user", {"user0", "off", "user1", "user0"}},
 };
 
 static void

@@ -20,7 +20,6 @@ typedef enum {
     ROAD_RK512I,
     ROAD_ARCNET7F,
     ROAD_SYNAXPK,
-    ROAD_SYNAXOBJ,
     ROAD_SYNAXPCP,
     ROAD_SYNAXPD, /* to here: link type 252, the dissector by its name */
     ROAD_USER0,

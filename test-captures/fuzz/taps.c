@@ -8,20 +8,15 @@
 #include <epan/tap.h>
 #include <epan/conversation_table.h>
 #include <epan/export_object.h>
-#include <epan/follow.h>
 #include <epan/srt_table.h>
-#include <epan/stat_tap_ui.h>
 #include <epan/stats_tree_priv.h>
 
 static const char *const tree_names[] = {"sis", "sertap"};
-static const char *const srt_names[] = {"sis", "rk512i"};
-static const char *const table_names[] = {"sis,tza", "sis,bus", "sis,parameters"};
+static const char *const srt_names[] = {"sis", "rk512i", "sisascii"};
 
 static stats_tree *trees[G_N_ELEMENTS(tree_names)];
 static srt_data_t srts[G_N_ELEMENTS(srt_names)];
-static stat_data_t tables[G_N_ELEMENTS(table_names)];
 static conv_hash_t conversations, endpoints;
-static follow_info_t *follow;
 static GSList *objects;
 
 static void
@@ -71,33 +66,16 @@ open_srts(void)
     }
 }
 
-static void
-open_tables(void)
-{
-    for (unsigned i = 0; i < G_N_ELEMENTS(table_names); i++) {
-        stat_tap_table_ui *kind = stat_tap_by_name(table_names[i]);
-
-        tables[i].stat_tap_data = kind;
-        kind->stat_tap_init_cb(kind);
-        kind->stat_tap_init_cb(kind); /* the window is opened again */
-        listen(kind->tap_name, &tables[i], kind->packet_func);
-    }
-}
-
 void
 taps_open(void)
 {
     register_ct_t *kind = get_conversation_by_proto_id(proto_get_id_by_filter_name("sis"));
-    register_follow_t *follower = get_follow_by_name("SIS");
     register_eo_t *exporter = get_eo_by_name("sis");
 
     open_trees();
     open_srts();
-    open_tables();
     listen("sis", &conversations, get_conversation_packet_func(kind));
     listen("sis", &endpoints, get_endpoint_packet_func(kind));
-    follow = g_new0(follow_info_t, 1);
-    listen(get_follow_tap_string(follower), follow, get_follow_tap_handler(follower));
     listen(get_eo_tap_listener_name(exporter), &object_list, get_eo_packet_func(exporter));
 }
 
@@ -112,17 +90,12 @@ close_trees(void)
 }
 
 static void
-close_tables(void)
+close_srts(void)
 {
     for (unsigned i = 0; i < G_N_ELEMENTS(srt_names); i++) {
         remove_tap_listener(&srts[i]);
         free_srt_table(get_srt_table_by_name(srt_names[i]), srts[i].srt_array);
         g_array_free(srts[i].srt_array, TRUE);
-    }
-    for (unsigned i = 0; i < G_N_ELEMENTS(table_names); i++) {
-        remove_tap_listener(&tables[i]);
-        reset_stat_table(tables[i].stat_tap_data);
-        free_stat_tables(tables[i].stat_tap_data);
     }
 }
 
@@ -156,14 +129,12 @@ void
 taps_close(void)
 {
     close_trees();
-    close_tables();
+    close_srts();
     use_conversations();
     remove_tap_listener(&conversations);
     remove_tap_listener(&endpoints);
     reset_conversation_table_data(&conversations);
     reset_endpoint_table_data(&endpoints);
-    remove_tap_listener(follow);
-    follow_info_free(follow);
     remove_tap_listener(&object_list);
     g_slist_free_full(objects, close_object);
     objects = NULL;

@@ -95,7 +95,7 @@ MORE = [
     Command("sistap report night.pcapng --format json -o night.json"),
     Command("sistap selftest", "p99.9"),
     Command("tshark -C SIS -r day.pcapng -c 3"),
-    Command("tshark -q -r day.pcapng -z sis,bus", "SIS bus by station"),
+    Command("tshark -q -r day.pcapng -z sis,tree", "By station"),
     Command("tshark -D", "SIS demo bus"),
     Command("tshark -i sistap-demo -a duration:4 -f 'link[5] == 0x1f'", "Write parameter"),
     Command("sistap install", "all users have it"),

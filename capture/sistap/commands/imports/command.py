@@ -40,8 +40,7 @@ From the levels of a logic analyser, sistap finds rate, format, polarity and the
 says what was found. What you state with --baud, --format and --device is not searched for.
 
 With --dissector, FILE is a table of whole messages. Each line has the time in s, M (master) or S (slave), and the
-bytes. Each message becomes a packet for that dissector of Wireshark. A message of synaxobj begins with a head of 3
-bytes: index (2) and operation (1).
+bytes. Each message becomes a packet for that dissector of Wireshark.
 """
 
 EPILOG = """\

@@ -21,7 +21,7 @@ from sistap.tap.files.output import Output
 from sistap.tap.files.pcapng import Interface, PacketFlags
 from sistap.tap.terminal.exits import UsageError
 
-DISSECTORS = ("synaxpk", "synaxpcp", "synaxobj", "synaxpd", "arcnet7f")
+DISSECTORS = ("synaxpk", "synaxpcp", "synaxpd", "arcnet7f")
 
 _SENDERS = {"M": PacketFlags.OUTBOUND, "S": PacketFlags.INBOUND}
 _TIME = re.compile(r"\d{1,10}(\.\d+)?")

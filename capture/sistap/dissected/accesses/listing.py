@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The list of parameters: how often each was read and written, its values, and the writes that changed it.
-
-It counts as the dissector's own statistics does (`tshark -z sis,parameters`), over several captures.
-"""
+"""The list of parameters: how often each was read and written, its values, and the writes that changed it."""
 
 from __future__ import annotations
 

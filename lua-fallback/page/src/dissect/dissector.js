@@ -6,7 +6,7 @@ import { isManifold, places } from "./pcapng.js";
 const CAPTURE = "/uploads/capture", TOLD = "/told"; // page.lua reads them, too
 const TOGETHER = 1 << 16; // characters that are written at once
 const PROFILE = "/home/web_user/.config/wireshark";
-const STATISTICS = "parameters,tree,tza,srt,bus"; // Wireshark prints the last one first
+const STATISTICS = "srt,tree"; // Wireshark prints the last one first
 const UNWATCHED = { progress: () => {} };
 
 // What Wireshark finds in a personal folder: the profile, and that SIS may be in captures of RTAC.

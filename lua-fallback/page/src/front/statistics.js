@@ -4,19 +4,17 @@
 import { asCsv } from "./csv.js";
 import { button, element, save, table } from "./dom.js";
 
-const NUMBER = /^[<>=]*-?[\d.]+$/;
-const FILTERS = { Station: "sis.station", Talker: "sis.talker" }; // what a number in the first column is
+const NUMBER = /^-?[\d.]+$/;
 
 // Returns {title, rows}; the first row is the head.
 function parsed(text) {
   return text.split("\n\n").map((block) => block.trim()).filter(Boolean).map((block) => {
     const [title, ...lines] = block.split("\n");
-    const rows = lines[0]?.includes("|") ? lines.map(barred) : /^Index /.test(lines[0]) ? lines.map(spaced) : [["", "Count"], ...lines.map(indented)];
+    const rows = /^Index /.test(lines[0]) ? lines.map(spaced) : [["", "Count"], ...lines.map(indented)];
     return { title: title.replace(/:$/, ""), rows };
   });
 }
 
-const barred = (line) => line.split("|").slice(0, -1).map((cell) => cell.trim());
 const spaced = (line) => line.trim().split(/ {2,}/);
 
 function indented(line) {
@@ -39,9 +37,10 @@ export function statisticsView(capture, { applyFilter, showing }) {
 function one({ title, rows }, applyFilter) {
   const [head, ...body] = rows;
   const numeric = head.map((_, place) => place).filter((place) => place > 0 && body.every((row) => !row[place] || NUMBER.test(row[place])));
-  const field = FILTERS[head[0]];
-  const cell = (text, place) => (place === 0 && field && /^\d+$/.test(text)
-    ? button(text, () => applyFilter(`${field} == ${text}`), { className: "link", title: `${field} == ${text}` }) : text);
+  const cell = (text, place) => {
+    const filter = place === 0 && text.includes("Station ") && text.replace(/.*Station /, "sis.station == ");
+    return filter ? button(text, () => applyFilter(filter), { className: "link", title: filter }) : text;
+  };
   return element("div", { className: "statistic" }, element("h2", {}, title), table(rows, { name: title, numeric, cell }),
     button("Save as CSV", () => save(`${title}.csv`, asCsv(rows), "text/csv")));
 }
