@@ -19,7 +19,7 @@ from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.line.ports import Adapter
 from sistap.tap.line.reader import PortLost, latency
 from sistap.tap.line.reader.latency import Known
-from sistap.tap.line.settings import Flag, Happening, LineSettings, Notice, Read
+from sistap.tap.line.settings import Flag, LineSettings, Read
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Record
 
@@ -67,7 +67,7 @@ class WebReader:
         flags = bytes([Flag.UNLOCATED_ERROR if chunk["error"] else 0]) * len(data)
         if chunk["lost"] and data:
             flags = bytes([flags[0] | Flag.LOST_BEFORE]) + flags[1:]
-        notices = (Notice(Happening.MARKER, chunk["note"]),) if chunk["note"] else ()
+        notices = (chunk["note"],) if chunk["note"] else ()
         time_ns = int(chunk["time_ms"] * 1000) * 1000
         self._reads.append(Read(self.line, time_ns, data, flags, uncertainty_ns, settings, notices))
 
