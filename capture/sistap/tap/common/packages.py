@@ -13,7 +13,7 @@ from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.stop import held
 
 # Debian's own Python takes no others from pip.
-_OF_DEBIAN = {"pyserial": "python3-serial", "paho-mqtt": "python3-paho-mqtt"}
+_OF_DEBIAN = {"pyserial": "python3-serial"}
 
 _ROOT = Path(__file__).resolve().parents[3]  # of the package sistap
 
