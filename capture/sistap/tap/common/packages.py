@@ -22,13 +22,13 @@ class NotInstalled(Exception):
     """A package is missing that one option needs; the text is the line to show."""
 
 
-def needed(module: str, package: str = "") -> Any:
-    """Import a module that one option needs. NotInstalled says how to get its package."""
+def needed(package: str) -> Any:
+    """Import a package that one command needs. NotInstalled says how to get it."""
     try:
         with held():
-            return importlib.import_module(module)
+            return importlib.import_module(package)
     except ImportError:
-        raise NotInstalled(missing(package or module)) from None
+        raise NotInstalled(missing(package)) from None
 
 
 def missing(package: str) -> str:
