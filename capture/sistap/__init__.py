@@ -26,8 +26,7 @@ may use, never a room of a storey above; tests/test_rooms.py watches:
     dissected/explain     files, wireshark            what tshark says of records, also while they come
     commands/recorder     capture, episodes, explain  `sistap record`: what matters, in files of its own
     commands/bus          captures, wire              `sistap bus` and `replay`: a bus in software
-    commands/beside       captures, wireshark, draw   two captures of the same traffic compared
-    commands/selftest     analyser, beside            `sistap selftest`
+    commands/selftest     analyser, common            `sistap selftest`
     commands/doctor       analyser, capture, explain  `sistap doctor`
     commands/extcap       all above                   Wireshark's interfaces
     commands/install      all above                   `sistap install` and `uninstall`
