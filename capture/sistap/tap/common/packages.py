@@ -12,9 +12,6 @@ from typing import Any
 from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.stop import held
 
-# Debian's own Python takes no others from pip.
-_OF_DEBIAN = {"pyserial": "python3-serial"}
-
 _ROOT = Path(__file__).resolve().parents[3]  # of the package sistap
 
 
@@ -49,8 +46,8 @@ def _how_to_get(package: str) -> str:
         return f"type {shell_word(str(python))} -m pip install {package}"
     if sys.prefix != sys.base_prefix or not Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").exists():
         return f"`{shell_word(str(python))} -m pip install {package}`"
-    if sys.platform == "linux" and package in _OF_DEBIAN:
-        return f"`sudo apt-get install {_OF_DEBIAN[package]}`"
+    if sys.platform == "linux" and package == "pyserial":
+        return "`sudo apt-get install python3-serial`"  # Debian's own Python takes no others from pip
     before = "`sudo apt-get install python3-venv`, " if sys.platform == "linux" else ""
     return (
         f"{before}`{python} -m venv --system-site-packages ~/sistap-python`, `~/sistap-python/bin/pip install "
