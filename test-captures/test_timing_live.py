@@ -26,7 +26,7 @@ from tables import shown
 SISTAP = [sys.executable, "-m", "sistap"]
 TIMEOUT_S = 30
 MS = 1_000_000
-HELLO = protocol.Hello(protocol.Kind.BUS, 0, 0, 0, "bus", "virtual bus", "as the bus says")
+HELLO = protocol.Hello(0, "virtual bus", "as the bus says")
 LINE = LineSettings()  # 9600 8E1: the bus sets TzA 5 ms and TrS 50 ms
 CYCLES = 4
 ACCEPT = bytes.fromhex("02 E9 02 02 00 03 10 FF 00 FF")  # fig. 6-24

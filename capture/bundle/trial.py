@@ -93,8 +93,6 @@ TYPED = [
     Command("import C:\\x.sr -w C:\\sr.pcapng", "1 telegrams, 0 of them damaged"),
     Command("capture -i bus://BUS -c 2", "16 -> 3", bus="replay DAY --listen BUS"),
     Command("record -i bus://BUS -a duration:3 -w C:\\kept", bus="bus --listen BUS --duration 60"),
-    Command("serve --help", "--listen ADDRESS:PORT"),
-    Command("serve -i COM77", "does not exist", 3),
     Command("extcap --extcap-interfaces", "{value=sistap-demo}"),
     Command("web", "/sis.html"),
     Command("help", "/docs/index.html"),

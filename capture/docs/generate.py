@@ -151,7 +151,6 @@ def fields() -> str:
     """Return the fields of the dialog of an interface."""
     kinds = {
         dialog.Of.PORT: "port",
-        dialog.Of.DISTANT: "other computer",
         dialog.Of.ANALYSER: "analyser",
         dialog.Of.DEMO: "demo bus",
     }

@@ -41,7 +41,7 @@ PROGRAMS = {  # and their packages
     "import": "imagemagick",
 }
 PLUGIN = "build/plugin/plugin/sis.so"
-INSTALLED_FROM = ("capture/sistap", "capture/sisbus", "lua-fallback/sis.lua", PLUGIN)
+INSTALLED_FROM = ("capture/sistap", "capture/sisbus", "lua-fallback/sis.lua", PLUGIN, "build/plugin/plugin/sis.version")
 PYTHON = "/usr/bin/python3"  # every user may run it, and it has pyserial
 DEMO_BUS = "sistap-demo"
 

@@ -12,7 +12,7 @@ may use, never a room of a storey above; tests/test_rooms.py watches:
     tap/files             records                     pcapng files and rings of them, written
     tap/capture           files                       `sistap capture`
     tap/common            terminal                    output files, temporary files, programs that are started
-    tap/wire              line                        the line over a socket: a virtual bus, a tap on another computer
+    tap/wire              line                        the line over a socket: a virtual bus
     tap/analyser          line, common                the line by a logic analyser
     tap/windows           line                        the line by a COM port of Windows
     tap/ports             analyser                    `sistap ports`
@@ -25,9 +25,7 @@ may use, never a room of a storey above; tests/test_rooms.py watches:
     dissected/episodes    packets                     what happened: faults, silences, changes, with their times
     dissected/explain     files, wireshark            what tshark says of records, also while they come
     commands/recorder     capture, episodes, explain  `sistap record`: what matters, in files of its own
-    commands/serve        capture, wire               `sistap serve`: a line of this computer, heard at others
-    commands/beside       captures, wireshark, draw   two captures of the same traffic compared
-    commands/selftest     analyser, beside            `sistap selftest`
+    commands/selftest     analyser, common            `sistap selftest`
     commands/doctor       analyser, capture, explain  `sistap doctor`
     commands/extcap       all above                   Wireshark's interfaces
     commands/install      all above                   `sistap install` and `uninstall`

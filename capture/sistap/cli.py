@@ -27,8 +27,7 @@ COMMANDS = {
         "sistap.commands.recorder.command",
         "run for months, and keep only what matters: faults, writes, a filter",
     ),
-    "serve": ("sistap.commands.serve.command", "share the bus at this computer with other computers"),
-    "web": ("sistap.commands.web.command", "open the page for a browser, also with the tap of this computer"),
+    "web": ("sistap.commands.web.command", "open Wireshark, sistap and the course in a browser"),
     "report": ("sistap.commands.report.command", "say what happened in a capture, on one page with pictures"),
     "parameters": (
         "sistap.commands.parameters.command",

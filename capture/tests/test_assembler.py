@@ -116,29 +116,6 @@ def test_silence_cuts_frames_where_it_is_said() -> None:
     assert (record.type, record.framing, record.data) == (Type.FRAME, Framing.SILENCE, b"AB")
 
 
-def test_a_line_with_a_time_of_its_own_is_silent_only_by_that() -> None:
-    """A network may delay for seconds what came without a pause."""
-    written: list[Record] = []
-    assembler = Assembler()
-    assembler.add_line(0, SETTINGS, 0, own_time=True)
-    assembler.take(Read(0, 10 * MS, TELEGRAM[:4], bytes(4)), 0, "")
-    written += assembler.due(0)
-    assembler.idle(5000 * MS)
-    written += assembler.due(5000 * MS)
-    assert not written
-    assembler.take(Read(0, 1009 * MS, b"", b""), 5001 * MS, "")
-    written += assembler.due(5001 * MS)
-    assert not written
-    assembler.take(Read(0, 11 * MS, TELEGRAM[4:], bytes(len(TELEGRAM) - 4)), 5002 * MS, "")
-    written += assembler.due(5002 * MS)
-    assert [record.data for record in written] == [TELEGRAM]
-    assembler.take(Read(0, 12 * MS, TELEGRAM[:4], bytes(4)), 5003 * MS, "")
-    written += assembler.due(5003 * MS)
-    assembler.take(Read(0, 1012 * MS, b"", b""), 5004 * MS, "")
-    written += assembler.due(5004 * MS)
-    assert [record.data for record in written] == [TELEGRAM, TELEGRAM[:4]]
-
-
 def test_another_clock_begins_without_an_interval() -> None:
     made = Assembled()
     made.take(5000 * MS, TELEGRAM[:4])

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Two captures of the same traffic beside each other: `selftest --beside`."""
+"""The benchmark of an adapter beside an analyser: two captures of the same traffic."""
 
 from __future__ import annotations
 
 import random
 import re
+import sys
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
@@ -12,11 +13,7 @@ from pathlib import Path
 import pytest
 
 from sistap import cli
-from sistap.commands.beside.aligning import aligned, frames
-from sistap.commands.beside.comparing import Comparison
-from sistap.commands.beside.lateness import Late, Lateness, drawing, measured
 from sistap.dissected.captures.reading import records
-from sistap.dissected.draw.svg import svg
 from sistap.tap.common.quantiles import quantile
 from sistap.tap.files.output import Output
 from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
@@ -25,6 +22,9 @@ from sistap.tap.line.settings import Read
 from sistap.tap.records.assembler import Assembler
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Type
+
+sys.path.append(str(Path(__file__).parent.parent / "benchmark"))
+from beside import aligned, frames, lines, measured  # noqa: E402
 
 MS = 1_000_000
 HOUR = 3_600_000 * MS
@@ -81,11 +81,6 @@ def taken(  # noqa: PLR0913 - all that a tap can do
             writer.write(record)
         writer.end(last_ns)
     return file
-
-
-def late_ms(true: Path, other: Path) -> list[float]:
-    pairs = aligned(frames(true), frames(other))
-    return sorted(one.late_ns / MS for one in measured(pairs).characters)
 
 
 def test_a_capture_beside_itself_is_in_time(true: Path) -> None:
@@ -179,62 +174,11 @@ def test_long_gaps_and_strange_traffic_take_no_time(true: Path) -> None:
         assert [(first.number, second.number) for first, second in pairs] == [(end.number, end.number) for end in ends]
 
 
-def test_the_report(true: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    # Nothing is known of its times, but that they are worse than the limit.
-    other = taken(true, uncertainty_ns=6 * MS)
-    assert cli.main(["selftest", "--beside", str(true), str(other)]) == 0
-    out = capsys.readouterr().out
-    assert re.search(r"^  p99.9 +0.0000 ms$", out, re.MULTILINE)
-    assert "outside the uncertainty that the capture says: 0 of" in out
-    assert re.search(r"^  TzA  exceeded    unresolved +[1-9]\d*  open$", out, re.MULTILINE)
-    assert "DIFFERENT" not in out
-
-
-def test_a_verdict_that_is_wrong_is_marked(true: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    # It says that its times are exact, and they are not.
-    other = taken(true, lambda number: 20 * MS if number % 50 == 0 else 0, uncertainty_ns=0)
-    assert cli.main(["selftest", "--beside", str(true), str(other)]) == 0
-    assert re.search(r"^  TzA  ok +exceeded +[1-9]\d*  DIFFERENT$", capsys.readouterr().out, re.MULTILINE)
-
-
-def test_the_picture(true: Path, tmp_path: Path) -> None:
-    file = tmp_path / "late.svg"
-    other = taken(true, lambda number: 20 * MS if number % 50 == 0 else 0, uncertainty_ns=0)
-    assert cli.main(["selftest", "--beside", str(true), str(other), "--plot", str(file)]) == 0
-    drawn = file.read_text()
-    late = sum(one.is_outside for one in Comparison(true, other).lateness.characters)
-    assert late > 0
-    assert f">outside: {late}<" in drawn
-    assert len(drawn) < 100_000
-
-
-@pytest.mark.parametrize(
-    ("count", "most"), [(200_000, 1_200_000), pytest.param(1_000_000, 2_000_000, marks=pytest.mark.thorough)]
-)
-def test_a_picture_of_a_whole_day_is_small(count: int, most: int) -> None:
-    """A million characters in a day. With a dot for each, the first would be of 2.5 MB."""
-    chance = random.Random(1)
-    characters = [Late(number * MS, 0, chance.expovariate(1 / MS), 8 * MS) for number in range(count)]
-    assert len(svg(drawing(Lateness(characters, 0, 0)), "x")) < most
-
-
-def test_what_cannot_be_compared_is_one_line(true: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    text = tmp_path / "log.txt"
-    text.write_text("nothing" * 10)
+def test_the_report(true: Path, tmp_path: Path) -> None:
+    report = "\n".join(lines(true, taken(true)))
+    assert re.search(r"^  p99.9 +0.0000 ms$", report, re.MULTILINE)
+    assert "outside the uncertainty that the capture says: 0 of" in report
     strange = tmp_path / "strange.pcapng"
     assert cli.main(["bus", "routing", "-w", str(strange)]) == 0
-    capfd.readouterr()
-    refused: list[tuple[list[str | Path], str]] = [
-        ([true, text], "not a pcapng file"),
-        ([true, tmp_path / "missing"], "cannot read"),
-        ([true, tmp_path], "cannot read"),
-        ([true, strange], "no telegram in common"),
-        ([true, true, "--plot", "late.pdf"], "end it in .svg"),
-        ([true, true, "-i", "/dev/null"], "leave out -i"),
-    ]
-    for arguments, words in refused:
-        assert cli.main(["selftest", "--beside", *map(str, arguments)]) == 2
-        said = capfd.readouterr().err
-        assert words in said
-        assert said.count("\n") == 1
-    assert cli.main(["selftest", "--plot", "late.svg"]) == 2
+    with pytest.raises(ValueError, match="no telegram in common"):
+        list(lines(true, strange))

@@ -83,7 +83,6 @@ def test_ports_and_the_demo_bus_are_interfaces(capsys: pytest.CaptureFixture[str
         {"value": "sistap-ttyS0", "display": "SIS tap: ttyS0 (16550A UART)"},
         # Braces would end the value.
         {"value": "sistap-usb-FTDI_FT232R_A1-if00-port0", "display": "SIS tap: ttyUSB0 (FT(232)R)"},
-        {"value": "sistap-distant", "display": "SIS tap on another computer (sistap serve)"},
         {"value": "sistap-demo", "display": "SIS demo bus"},
     ]
     assert [set(values) for values in of_kind("extcap", sentences)] == [{"version", "display"}]
@@ -104,8 +103,8 @@ def test_without_pyserial_the_demo_bus_says_why_it_is_alone(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "serial.tools", None)
-    distant, only = of_kind("interface", asked(capsys, "--extcap-interfaces"))
-    assert (distant["value"], only["value"]) == ("sistap-distant", "sistap-demo")
+    (only,) = of_kind("interface", asked(capsys, "--extcap-interfaces"))
+    assert only["value"] == "sistap-demo"
     assert f"pyserial is missing for {sys.executable}" in only["display"]
 
 
@@ -133,7 +132,7 @@ def test_the_toolbar_is_described_with_the_interfaces(capsys: pytest.CaptureFixt
 
 
 @pytest.mark.usefixtures("plugged")
-@pytest.mark.parametrize("interface", ["sistap-ttyS0", "sistap-distant", "sistap-demo"])
+@pytest.mark.parametrize("interface", ["sistap-ttyS0", "sistap-demo"])
 def test_the_dialog_is_one_that_wireshark_understands(capsys: pytest.CaptureFixture[str], interface: str) -> None:
     sentences = asked(capsys, "--extcap-config", "--extcap-interface", interface)
     numbers = [field["number"] for field in of_kind("arg", sentences)]
@@ -161,12 +160,6 @@ def test_rate_and_format_are_chosen_from_what_sis_and_the_field_have(capsys: pyt
     ("interface", "call", "right", "wrong"),
     [
         ("sistap-ttyS0", "--other-baud", ["1200", "31250", "500000"], ["0", "-9600", "9600 Bd", "1e4"]),
-        (
-            "sistap-distant",
-            "--address",
-            ["pi:5000", "192.168.7.1:5000", "[fd00::1]:5000"],
-            ["pi", "bus://pi:5000", ":"],
-        ),
         ("sistap-ttyS0", "--tza", ["5", "65535"], ["0", "5 ms", "0.5"]),
         ("sistap-demo", "--faults", ["checksum=0.02", "parity=0.5,break=1"], ["checksum", "checksum=0.02,", "pause=x"]),
     ],
@@ -177,13 +170,6 @@ def test_fields_are_checked_as_they_are_filled_in(
     field = fields(capsys, interface)[call]
     assert all(re.search(field["validation"], text) for text in right)
     assert not any(re.search(field["validation"], text) for text in wrong)
-
-
-@pytest.mark.usefixtures("plugged")
-def test_a_distant_tap_has_an_address_and_nothing_that_is_set_there(capsys: pytest.CaptureFixture[str]) -> None:
-    distant = fields(capsys, "sistap-distant")
-    assert list(distant) == ["--address", "--framing", "--tza", "--trs"]
-    assert distant["--address"]["required"] == "true"  # a double click shows the dialog first
 
 
 @pytest.mark.usefixtures("plugged")

@@ -20,10 +20,7 @@ from queue import SimpleQueue
 from typing import BinaryIO, NamedTuple
 
 import pytest
-from specification import TELEGRAMS
-from test_serve import serving
 
-import sistap
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import Event, Framing, Record, Type, unpack
 from sistap.tap.sis.telegram import checksum_good
@@ -350,27 +347,6 @@ def test_the_demo_bus_is_cut_as_its_scenario_says(tmp_path: Path, started: list[
         (Framing.PROCEDURE_3964R, 2, "10"),
         (Framing.PROCEDURE_3964R, 1, "00004544"),
     ]
-
-
-@pytest.mark.thorough
-def test_a_distant_tap_is_captured_and_its_rate_is_not_set_here(tmp_path: Path, started: list[Wireshark]) -> None:
-    with serving("127.0.0.1:0", "--baud", "19200") as (_, name, master):
-        started.append(wireshark := Wireshark(tmp_path, "sistap-distant", "--address", name.removeprefix("bus://")))
-        wireshark.show_toolbar()
-        assert f"sistap {sistap.__version__}; {name} (/dev/pts/" in wireshark.event(Event.CAPTURE_STARTED).data.decode()
-        wireshark.say(INITIALIZED)
-        for rate in ("38400", "auto"):
-            wireshark.say(SET, RATE, rate)
-            assert any("with the options of `sistap serve`" in text for text in wireshark.told(LOG, ADD))
-        os.write(master, TELEGRAMS["6-14"])
-        assert next(record.settings.baud for record in wireshark.records() if record.type == Type.FRAME) == 19200
-
-
-def test_a_distant_tap_without_an_address_is_said(tmp_path: Path, started: list[Wireshark]) -> None:
-    started.append(wireshark := Wireshark(tmp_path, "sistap-distant", toolbar=False))
-    code, said = wireshark.ended()
-    assert code == 2
-    assert "host and port of `sistap serve`, such as pi:5000" in said
 
 
 def test_a_lost_port_is_said_once_the_capture_has_ended(tmp_path: Path, started: list[Wireshark]) -> None:

@@ -29,7 +29,7 @@ TABLE = "name,type,start_time,duration,data,error\n" + "".join(
 )
 LOG = "16.03.2026 09:00:00,123 TX: 02 D9 02 02 00 12 03 10 02 00\n" * 40
 
-# `tables` makes a folder: test_tables.py. `capture` and `serve` need a line: test_capture.py and test_serve.py.
+# `tables` makes a folder: test_tables.py. `capture` needs a line: test_capture.py.
 PRINTING = [
     ["--help"],
     ["--version"],

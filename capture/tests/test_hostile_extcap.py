@@ -10,10 +10,10 @@ import pytest
 
 from sistap import cli
 from sistap.commands.extcap import dialog
-from sistap.commands.extcap.interfaces import ANALYSER, DEMO, DISTANT
+from sistap.commands.extcap.interfaces import ANALYSER, DEMO
 
 QUESTIONS = ["--extcap-interfaces", "--extcap-dlts", "--extcap-config", "--capture", ""]
-NAMES = [DEMO, DISTANT, ANALYSER, "", "../..", "x\0y", "é\udcff", "-w", "%s%n", "A" * 9999]
+NAMES = [DEMO, ANALYSER, "", "../..", "x\0y", "é\udcff", "-w", "%s%n", "A" * 9999]
 VALUES = [
     "",
     "0",

@@ -151,7 +151,6 @@ NAMED = {
     "capture": ["capture", "-i", "FILE"],
     "capture, out": ["capture", "-i", "/dev/ptmx", "-w", "FILE/x"],
     "doctor": ["doctor", "-i", "FILE"],
-    "serve": ["serve", "-i", "FILE", "--listen", "127.0.0.1:0"],
     "an option": ["ports", "FILE"],
     "a command": ["FILE"],
     "install": ["install", "--plugin", "FILE"],

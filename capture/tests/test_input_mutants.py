@@ -21,22 +21,20 @@ from sisbus import scenarios
 from sistap import cli
 from sistap.commands.extcap.toolbar import Toolbar
 from sistap.commands.install.ledger import Ledger, LedgerError
-from sistap.tap.line.settings import Happening, LineSettings, Notice, Read
+from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.terminal import state
 from sistap.tap.terminal.exits import DONE, FAILED, USAGE
 from sistap.tap.wire import protocol
-from sistap.tap.wire.protocol import Decoder, Hello, Kind
+from sistap.tap.wire.protocol import Decoder, Hello
 
 PATIENCE_S = 60
 ONE_LINE, MANY_LINES = 1, 10**6
 FEW = {"log": 1, "scenario": 8, "ledger": 50, "wire": 200, "toolbar": 10}  # mutants: what a second allows
-HELLO = Hello(Kind.TAP, 10**18, 10**18, 7, "ttyUSB0", "FT232R", "uncertainty 1 ms", ("a note",))
+HELLO = Hello(10**18, "virtual bus", "uncertainty 1 ms")
 WIRE = [
     protocol.pack_hello(HELLO),
     protocol.pack_settings(LineSettings()),
     protocol.pack_read(Read(1, 10**18, b"abc", bytes(3), 5)),
-    protocol.pack_notice(Notice(Happening.MARKER, "a marker")),
-    protocol.pack_lost(9),
     protocol.pack_time(10**18 + 1),
 ]
 TOOLBAR = [

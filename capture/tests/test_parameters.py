@@ -5,19 +5,14 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import os
 import shutil
-import sys
-from datetime import datetime
 from pathlib import Path
 
 import pytest
-from commands import refused, run, run_anew
+from commands import refused, run
 from report_capture import Sent, write
 
-from sistap.commands.parameters.mf4 import Measurement
-from sistap.commands.parameters.reading import Found
 from sistap.dissected.accesses.access import Access, Parameter, accesses
 from sistap.dissected.accesses.listing import MOST, Listing, Place
 from sistap.tap.sis.telegram import build
@@ -107,97 +102,6 @@ def test_all_values_in_a_wide_table(tmp_path: Path) -> None:
 
 def test_wide_belongs_to_csv(tmp_path: Path) -> None:
     refused(run(tmp_path, "parameters", "--wide", CAPTURE), 2, "--wide belongs to --csv, without --changes")
-
-
-# In place of asammdf, which is large: it writes what it is given.
-ASAMMDF = """
-import contextlib, json
-class Signal:
-    def __init__(self, samples, timestamps, **more):
-        self.said = [more["name"], more["unit"], list(samples), [round(time, 3) for time in timestamps]]
-class MDF(contextlib.AbstractContextManager):
-    def __init__(self, version):
-        self.header, self.said = self, []
-    def append(self, signal):
-        self.said.append(signal.said)
-    def save(self, file):
-        file.write(json.dumps([self.start_time.isoformat(), self.said]).encode())
-    def __exit__(self, *_):
-        pass
-"""
-
-
-def in_place_of(folder: Path, module: str, text: str) -> str:
-    """Return the PYTHONPATH by which a module is found that has this text."""
-    (folder / "modules").mkdir()
-    (folder / "modules" / f"{module}.py").write_text(text)
-    return f"{folder / 'modules'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
-
-
-def test_all_values_as_mf4(tmp_path: Path) -> None:
-    """The same as in the wide table. Of bytes without an attribute, there is a text."""
-    path = in_place_of(tmp_path, "asammdf", ASAMMDF)
-    done = run_anew(tmp_path, "parameters", "--mf4", CAPTURE, "-o", "x.mf4", PYTHONPATH=path)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    start, channels = json.loads((tmp_path / "x.mf4").read_text())
-    rows = list(csv.reader(run(tmp_path, "parameters", "--csv", "--wide", CAPTURE, TZ="UTC").stdout.splitlines()))
-    assert start == rows[1][0]
-    assert channels[0][:3] == ["3 device 5 P-0-0012 Limit", "Nm", [5.0, 5.0, 7.5, -3.0, -3.0]]
-    assert [head.removesuffix(" (Nm)") for head in rows[0][1:]] == [name for name, *_ in channels]
-    begin_s = datetime.fromisoformat(start).timestamp()
-    for number, (*_, values, times_s) in enumerate(channels, 1):
-        column = [(row[0], row[number]) for row in rows[1:] if row[number]]
-        assert [value for _, value in column] == list(map(str, values))
-        assert [datetime.fromisoformat(time).timestamp() - begin_s for time, _ in column] == pytest.approx(
-            times_s, abs=2e-3
-        )
-
-
-def test_asammdf_reads_what_it_has_written(tmp_path: Path) -> None:
-    asammdf = pytest.importorskip("asammdf", reason="asammdf writes MF4: pip install asammdf")
-    assert run(tmp_path, "parameters", "--mf4", CAPTURE, "-o", "x.mf4").returncode == 0
-    with asammdf.MDF(tmp_path / "x.mf4") as mdf:
-        limit = mdf.get("3 device 5 P-0-0012 Limit")
-        assert (list(limit.samples), limit.unit) == ([5.0, 5.0, 7.5, -3.0, -3.0], "Nm")
-        assert list(mdf.get("4/8 device 0 P-0-0012").samples) == [b"01 00"]
-        assert mdf.header.start_time.isoformat().startswith("2023-11-14T22:13:20.43")
-
-
-def test_values_of_a_clock_that_was_set_back_are_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(in_place_of(tmp_path, "asammdf", ASAMMDF).split(os.pathsep)[0])
-    monkeypatch.delitem(sys.modules, "asammdf", raising=False)
-    measurement = Measurement()
-    parameter = Parameter("", "3", 7, "S-0-0040")
-    for second, number, value in ((10.0, 1.0, "1 rpm"), (5.0, 2.0, "2 rpm"), (6.0, None, "0A")):
-        access = Access(parameter, False, 16, "", value, number, None, "speed\x1b", "rpm", "", "")
-        measurement.add([Found(Place("x", 1, second), access)])
-    whole = io.BytesIO()
-    measurement.write(whole)
-    name = "3 device 7 S-0-0040 speed\\x1b"
-    assert json.loads(whole.getvalue()) == [
-        "1970-01-01T00:00:05+00:00",
-        [[name, "rpm", [2.0, 1.0], [0.0, 5.0]], [name, "rpm", ["0A"], [1.0]]],
-    ]
-    sys.modules.pop("asammdf")
-
-
-def test_no_value_for_mf4(tmp_path: Path) -> None:
-    path = in_place_of(tmp_path, "asammdf", ASAMMDF)
-    capture = CAPTURE.with_name("phases-routed.pcapng")
-    done = run_anew(tmp_path, "parameters", "--mf4", capture, "-o", "x.mf4", PYTHONPATH=path)
-    assert (done.returncode, done.stderr) == (0, "sistap: no parameter was read or written\n")
-
-
-def test_without_asammdf(tmp_path: Path) -> None:
-    path = in_place_of(tmp_path, "asammdf", "raise ImportError")
-    done = run_anew(tmp_path, "parameters", "--mf4", CAPTURE, "-o", "x.mf4", PYTHONPATH=path)
-    refused(done, 1, "asammdf is missing", "pip install")
-    assert not (tmp_path / "x.mf4").exists()
-
-
-@pytest.mark.parametrize("more", [(), ("--csv", "-o", "x"), ("--changes", "-o", "x"), ("--against", "y", "-o", "x")])
-def test_mf4_needs_a_file_of_its_own(tmp_path: Path, more: tuple[str, ...]) -> None:
-    refused(run(tmp_path, "parameters", "--mf4", CAPTURE, *more), 2, "--mf4", "-o")
 
 
 @pytest.mark.thorough

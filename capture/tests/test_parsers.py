@@ -30,7 +30,7 @@ from sistap.dissected.telegrams.attribute import Attribute
 from sistap.dissected.wireshark import rows
 from sistap.tap.files import pcapng
 from sistap.tap.files.pcapng import Interface
-from sistap.tap.line.settings import Happening, LineSettings, Notice, Read
+from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records import record
 from sistap.tap.records.cut import PROCEDURE_3964R, SIS, Cut
 from sistap.tap.records.record import Record, Type
@@ -39,7 +39,7 @@ from sistap.tap.sis.initialization import Follow
 from sistap.tap.sis.told import Told
 from sistap.tap.terminal.exits import UsageError
 from sistap.tap.wire import protocol
-from sistap.tap.wire.protocol import Decoder, Hello, Kind
+from sistap.tap.wire.protocol import Decoder, Hello
 
 START_NS = 1_700_000_000_000_000_000
 TELEGRAM = telegram.build(0x10, 16, 3, b"\x3c\x00\x24\x00", number=5, subaddresses=b"\x02")
@@ -55,11 +55,9 @@ CAPTURE = b"".join(
 )
 WIRE = b"".join(
     [
-        protocol.pack_hello(Hello(Kind.TAP, START_NS, START_NS, 7, "port", "adapter", "timing", ("note",))),
+        protocol.pack_hello(Hello(START_NS, "adapter", "timing")),
         protocol.pack_settings(LineSettings()),
         protocol.pack_read(Read(1, START_NS, b"abc", bytes(3), 5)),
-        protocol.pack_notice(Notice(Happening.MARKER, "marker")),
-        protocol.pack_lost(9),
         protocol.pack_time(START_NS),
     ]
 )

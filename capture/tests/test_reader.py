@@ -1074,7 +1074,7 @@ def test_no_bus_at_the_socket(tmp_path: Path) -> None:
     assert refused(f"bus://{tmp_path}/bus").startswith("nothing listens at bus:///")
 
 
-HELLO = protocol.Hello(protocol.Kind.BUS, START_NS, START_NS, 0, "bus", "virtual bus", "as the bus says")
+HELLO = protocol.Hello(START_NS, "virtual bus", "as the bus says")
 
 
 def accept(listening: socket.socket, connections: list[socket.socket], said: bytes) -> None:
@@ -1105,10 +1105,10 @@ def tapped(tmp_path: Path) -> Iterator[tuple[Reader, socket.socket]]:
     [
         (
             b"HTTP/1.1 400 Bad Request\r\n",
-            "is not a sistap bus or tap: give the address",
+            "is not a sistap bus: give the address",
         ),
         (protocol.pack_settings(LineSettings()), "it does not say what it is"),
-        (protocol.pack_hello(HELLO._replace(version=2)), "version 2 of the wire, and this sistap 1"),
+        (protocol.pack_hello(HELLO._replace(version=1)), "version 1 of the wire, and this sistap 2"),
         (b"", "the other end closes the connection at once"),
     ],
 )

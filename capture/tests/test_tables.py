@@ -373,7 +373,9 @@ def test_a_file_that_is_none_of_the_tables(tmp_path: Path, days: list[Path]) -> 
         file.write(write(tmp_path / "empty.pcapng", [], dissector="sis").read_bytes())
     [folder] = (tmp_path / "t" / "telegrams").glob("*/day=2023-11-14")
     (folder / "half.parquet").write_bytes(b"PAR1 and then nothing")
-    refused(run(tmp_path, "tables", "copy.pcapng", "-o", "t"), 1, "half.parquet", "move it away")
+    refused(
+        run(tmp_path, "tables", "copy.pcapng", "-o", "t"), 1, "half.parquet", "move what is none of the tables away"
+    )
     (folder / "half.parquet").unlink()
     assert count(tmp_path / "t") == [len(DAY_1) + len(DAY_2), 4, 2]
 

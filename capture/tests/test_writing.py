@@ -19,7 +19,7 @@ from sistap.tap.common.writing import Incomplete, NotOpened, opened
 from sistap.tap.files.output import Limits, Output, file_name
 
 HOUR_NS = 3600 * 1_000_000_000
-NAME = "x.svg"  # of the file to write; --plot takes pictures only
+NAME = "x.out"  # of the file to write
 # What the commands are called with; DAY is a capture. These derive a file from another.
 DERIVED = {
     "report": "report DAY --format text -o",
@@ -29,7 +29,6 @@ DERIVED = {
     "annotate": "annotate log.txt -o",
     "annotate -w": "annotate log.txt -w",
     "import": "import table.csv --baud 9600 -w",
-    "selftest": "selftest --beside DAY DAY --plot",
 }
 COMMANDS = DERIVED | {
     "annotate live": "annotate - -o",
@@ -128,10 +127,7 @@ def test_data_stay_without_force(place: Path, command: str) -> None:
 @modes
 @pytest.mark.parametrize(
     "command",
-    [
-        pytest.param(command, marks=pytest.mark.thorough if command in ("compare", "log", "selftest") else ())
-        for command in DERIVED
-    ],
+    [pytest.param(command, marks=pytest.mark.thorough if command in ("compare", "log") else ()) for command in DERIVED],
 )
 @pytest.mark.attack("a file made from a private capture", "whoever may not read the capture may not read it")
 def test_with_force_they_go_and_nobody_may_read_more(place: Path, command: str) -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -11,10 +12,12 @@ from typing import NamedTuple
 
 from wine import TIMEOUT_S, Wine, drive, until
 
-from sistap.commands.beside.aligning import latest_times
 from sistap.dissected.captures.reading import records
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag
 from sistap.tap.records.record import Record, Type
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmark"))
+from beside import latest_times  # noqa: E402
 
 SENT = bytes(range(256)) * 2
 PAUSE_S = 0.002  # longer than a character

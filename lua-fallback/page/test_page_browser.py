@@ -8,11 +8,8 @@ import json
 import os
 import re
 import shutil
-import subprocess
-import sys
 import threading
 import time
-import tty
 from base64 import b64encode
 from collections.abc import Callable
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -27,7 +24,6 @@ from chromium import Chromium, ChromiumError
 from make import HERE as CAPTURES
 from sisbus.scenarios import scenario
 from sistap.cli import main
-from sistap.commands.web import command
 from sistap.tap.sis.telegram import build
 
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(600)]
@@ -615,31 +611,3 @@ def test_firefox_opens_it(page: Path, node: Callable[..., Any], tmp_path: Path) 
         small_rows == again > 900 and rows > 19_000 for small_rows, again, rows in (one["rows"] for one in found)
     )
     assert not any(one["complaints"] for one in found)
-
-
-def test_the_tap_of_this_computer(window: Chromium, page: Path) -> None:
-    """What `sistap web -i` hears, in a browser that cannot read ports itself."""
-    ours, theirs = os.openpty()
-    tty.setraw(theirs)
-    code = (
-        "import sys; from pathlib import Path; from sistap import cli; from sistap.tap.common import pages;"
-        "pages.FOLDERS = (Path(sys.argv[1]).parent,); sys.exit(cli.main(['web', '-q', '-i', sys.argv[2]]))"
-    )
-    package = str(Path(command.__file__).parents[2])
-    environment = {**os.environ, "PYTHONPATH": package, "DISPLAY": "", "WAYLAND_DISPLAY": ""}
-    words = [sys.executable, "-c", code, str(page), os.ttyname(theirs)]
-    window.before("delete Navigator.prototype.serial")
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=environment) as process:
-        assert process.stdout
-        window.open(process.stdout.readline().strip() + "#listen")
-        window.until("document.documentElement.dataset.ready")
-        window.click(f"Listen at {os.ttyname(theirs)}, with sistap")
-        window.until("document.querySelector('.live-bar')")
-        for telegram in ("02 D9 00 00 00 12 10 03", "02 C3 02 02 10 12 10 03 00 02"):
-            os.write(ours, bytes.fromhex(telegram))
-        window.until("/Read phase: phase 2/.test(document.querySelector('.packet-list').textContent)")
-        process.terminate()
-        window.until("!document.querySelector('.live-bar') && document.querySelector('#busy').hidden")
-    assert "the tap has ended" in window.run("document.querySelector('.packet-list').textContent")
-    os.close(ours)
-    os.close(theirs)

@@ -126,9 +126,8 @@ class Taps:
 
     def _welcome(self, connection: socket.socket) -> ConnectedTap:
         tap = ConnectedTap(connection, self._seed)
-        began_ns = self._pace.wall_ns()
         now_ns = self._pace.wall_ns(self._now) if self._pace.simulated else CLOCK.now_ns()
-        hello = protocol.Hello(protocol.Kind.BUS, now_ns, began_ns, 0, self.name, "virtual bus", TIMING)
+        hello = protocol.Hello(now_ns, "virtual bus", TIMING)
         tap.put(protocol.pack_hello(hello))
         return tap
 

@@ -8,29 +8,22 @@ import gc
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from sistap.tap.analyser.probe import is_analyser
 from sistap.tap.common.quantiles import quantile
-from sistap.tap.common.writing import Incomplete, NotOpened, opened
 from sistap.tap.line import measurement, ports, priority
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
 from sistap.tap.sis.rates import RATES
 from sistap.tap.terminal import state
-from sistap.tap.terminal.console import Console, visible
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError
-from sistap.tap.terminal.writing import FORCE
-
-if TYPE_CHECKING:  # loaded only where it is needed
-    from sistap.commands.beside.comparing import Comparison
+from sistap.tap.terminal.console import Console
+from sistap.tap.terminal.exits import DONE, FAILED, USAGE
 
 DESCRIPTION = """\
 Measure how late sistap sees characters. It uses a pseudo terminal of its own (a socket on Windows), or a port whose
-transmit and receive wires are joined. sistap stores the result, and later captures use it as their uncertainty. With
---beside, compare two captures of the same traffic. The times of one of them must be exact.
+transmit and receive wires are joined. sistap stores the result, and later captures use it as their uncertainty.
 """
 
 EPILOG = """\
@@ -41,21 +34,16 @@ at a port also includes the sending. So its result can be too large, but never t
 With -i (not on Windows), sistap SENDS characters (@ to ~, one by one). Take the port off the bus first, then join its
 transmit and receive wires (RS232: pins 2 and 3; RS422: TxD+ to RxD+, TxD- to RxD-).
 
-With --beside, TRUE is the capture of a logic analyser. OTHER is the capture of an adapter at the same bus at the same
-time. A delay that all characters of OTHER share cannot be seen; it changes no interval.
-
 examples:
   sistap selftest                                       this computer, 5 seconds
   sistap selftest --duration 60                         a minute; finds rare long delays, too
   sistap selftest -i /dev/ttyUSB0 --transmit --baud 115200
                                                         an adapter whose wires are joined
-  sistap selftest --beside analyser.pcapng adapter.pcapng --plot late.svg
-                                                        how exact the times of an adapter are
 
 exit status:
   0  measured and stored; or stopped by Ctrl-C or SIGTERM, with nothing stored
   1  what was sent did not come back, or the result cannot be stored
-  2  wrong usage, such as -i without --transmit, or captures with nothing in common
+  2  wrong usage, such as -i without --transmit
   3  the port cannot be opened
 """
 
@@ -84,9 +72,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--transmit", action="store_true", help="allow sending characters on PORT; without it, sistap sends nothing")
     add("--baud", type=int, default=9600, metavar="RATE", help="rate of PORT in Bd (9600)")
     add("--format", default="8E1", metavar="FORMAT", help="data bits, parity and stop bits of PORT (8E1)")
-    add("--beside", nargs=2, type=Path, metavar=("TRUE", "OTHER"), help="compare two captures instead of measuring")
-    add("--plot", type=Path, metavar="FILE", help="with --beside: draw the times into FILE (.svg)")
-    add("--force", action="store_true", help=FORCE)
     add("--duration", type=float, default=5, metavar="SECONDS", help="how long to measure (5)")
 
 
@@ -94,8 +79,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Measure, print and keep the result; return the exit code. May raise PortError."""
     console = Console()
-    if args.beside or args.plot:
-        return _beside(args, console)
     try:
         settings = _checked(args)
     except ValueError as error:
@@ -111,46 +94,6 @@ def run(args: argparse.Namespace) -> int:
     delays = sorted(measured)
     print("\n".join(report(delays)))
     return _keep(place, conditions, delays, console)
-
-
-def _beside(args: argparse.Namespace, console: Console) -> int:
-    """Compare two captures; return the exit code."""
-    from sistap.commands.beside.comparing import Comparison  # imported here: only --beside needs it
-
-    try:
-        if args.port or args.transmit or not args.beside:
-            raise UsageError("--beside compares two captures, and --plot draws that: leave out -i and --transmit")
-        with _drawing(args) as draw:
-            comparison = Comparison(*args.beside)
-            draw(comparison)
-    except (UsageError, ValueError, NotOpened) as error:
-        console.say(str(error))
-        return USAGE
-    except Incomplete as error:
-        console.say(str(error))
-        return FAILED
-    for line in comparison.lines():
-        print(line)
-    if args.plot:
-        console.say(f"{args.plot} written")
-    return DONE
-
-
-@contextmanager
-def _drawing(args: argparse.Namespace) -> Iterator[Callable[[Comparison], object]]:
-    """Return a function that draws into the file of --plot."""
-    if not args.plot:
-        yield lambda _: None
-        return
-    from sistap.commands.beside.lateness import drawing
-    from sistap.dissected.draw.svg import stacked
-
-    if args.plot.suffix.lower() != ".svg":
-        raise UsageError(f"'{args.plot}' does not say what to draw: end it in .svg")
-    with opened(str(args.plot), args.beside, force=args.force, cure="name another file with --plot") as file:
-        yield lambda comparison: file.write(
-            stacked(visible(args.beside[1].name), [drawing(comparison.lateness)]).encode()
-        )
 
 
 def _checked(args: argparse.Namespace) -> LineSettings:

@@ -24,8 +24,8 @@ from sistap.tap.terminal.writing import FORCE
 DESCRIPTION = """\
 Show what changed between a good time and a bad one. First comes what happened in the bad time alone, with times and
 stations: silences, drives, masters never seen before and what they wrote, phases, rates, limits, faults of the bus.
-Then come reaction times and intervals that differ, and tables of everything. Whatever chance can make has a
-probability. All figures come from Wireshark's dissector: install tshark with the plugin or sis.lua.
+Then come reaction times and intervals that differ, and tables of everything. Whatever may be chance says so. All
+figures come from Wireshark's dissector: install tshark with the plugin or sis.lua.
 """
 
 EPILOG = """\
@@ -34,10 +34,9 @@ A side may have several files, such as those of a ring. Name them with --good an
 What happened is found as in `sistap report`. The good capture tells what is usual: who asks, what is written, phases,
 limits, levels of values.
 
-Chance: the captures are cut into pieces, because neighbouring telegrams are alike. Then the pieces are compared:
-medians by the exact test of Wilcoxon, Mann and Whitney, shares by the binomial distribution. Of a hundred comparisons,
-some differ by chance. The probabilities are corrected for that. A difference is certain if it is less likely than 1 in
-100 by chance.
+Chance: a difference counts if it is 3.5 times as large as its scatter. For times, that is the scatter of pieces of
+each capture, because neighbouring telegrams are alike. Counts scatter by the square root of their number. This is a
+rule of thumb: of a thousand comparisons of equal captures, it finds a few.
 
 examples:
   sistap compare evening.pcapng night.pcapng                     good first, then bad

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What differs between two sides, and how likely chance makes each difference."""
+"""What differs between two sides, and whether it may be chance."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from sistap.commands.compare import chance
-from sistap.commands.compare.chance import CERTAIN
+from sistap.commands.compare import scatter
 from sistap.commands.compare.happened import Happened, happened
 from sistap.commands.compare.samples import Samples
 from sistap.commands.compare.side import LIMITS, Service, Side
@@ -27,12 +26,7 @@ class Count:
     what: str
     good: int
     bad: int
-    chance: float  # of a difference this large, 0 to 1
-
-    @property
-    def is_certain(self) -> bool:
-        """Tell whether chance is ruled out."""
-        return self.chance < CERTAIN
+    may_be_chance: bool
 
     @property
     def is_new(self) -> bool:
@@ -45,12 +39,17 @@ class Quantile(NamedTuple):
 
     good_s: float
     bad_s: float
-    chance: float
+    may_be_chance: bool
 
     def differs(self, uncertainty_s: float) -> bool:
         """Tell whether the difference exceeds the uncertainty of the clocks, SMALL, and chance."""
         apart_s = abs(self.bad_s - self.good_s)
-        return apart_s > max(uncertainty_s, SMALL * self.good_s) and self.chance < CERTAIN
+        return apart_s > max(uncertainty_s, SMALL * self.good_s) and not self.may_be_chance
+
+    @property
+    def ratio(self) -> float:
+        """Return the bad side's time as a multiple of the good one's; 0 if that is 0."""
+        return self.bad_s / self.good_s if self.good_s else 0.0
 
 
 @dataclass(frozen=True)
@@ -69,14 +68,6 @@ class Times:
     def differing(self) -> Quantile | None:
         """Return the quantile of both that differs, if any."""
         return next((one for one in (self.middle, self.tail) if one.differs(self.uncertainty_s)), None)
-
-    @property
-    def ratio(self) -> float:
-        """Return the ratio of the quantile that differs, as a factor above 1."""
-        one = self.differing
-        if not one or not min(one.good_s, one.bad_s):
-            return 1.0
-        return max(one.bad_s / one.good_s, one.good_s / one.bad_s)
 
 
 class Parameter(NamedTuple):
@@ -123,7 +114,7 @@ class Comparison:
 
 def compare(good: Side, bad: Side) -> Comparison:
     """Compare two sides."""
-    comparison = Comparison(
+    return Comparison(
         good,
         bad,
         happened=happened(good, bad),
@@ -133,8 +124,6 @@ def compare(good: Side, bad: Side) -> Comparison:
         parameters=list(_parameters(good, bad)),
         settings=list(_settings(good, bad)),
     )
-    _correct(comparison)
-    return comparison
 
 
 def service_text(service: Service) -> str:
@@ -149,7 +138,8 @@ def _sent(good: Side, bad: Side) -> float:
 
 def _one_sided(good: Counter[Any], bad: Counter[Any], share: float, text: Callable[[Any], str]) -> Iterator[Count]:
     for what in sorted(good.keys() ^ bad.keys()):
-        yield Count(text(what), good[what], bad[what], chance.of_counts(good[what], bad[what], share))
+        is_certain = scatter.counts_differ(good[what], bad[what], share)
+        yield Count(text(what), good[what], bad[what], may_be_chance=not is_certain)
 
 
 def _times(good: Side, bad: Side) -> Iterator[Times]:
@@ -164,11 +154,11 @@ def _times(good: Side, bad: Side) -> Iterator[Times]:
 
 
 def _pair(what: str, station: int, good: Samples, bad: Samples, uncertainty_s: float) -> Times:
-    def quantile(share: float, likely: float) -> Quantile:
-        return Quantile(good.whole.within_s(share), bad.whole.within_s(share), likely)
+    def quantile(share: float, *, is_certain: bool) -> Quantile:
+        return Quantile(good.whole.within_s(share), bad.whole.within_s(share), may_be_chance=not is_certain)
 
-    middle = quantile(0.5, chance.of_middle(good, bad))
-    tail = quantile(chance.TAIL, chance.of_tail(good, bad))
+    middle = quantile(0.5, is_certain=scatter.middles_differ(good, bad))
+    tail = quantile(scatter.TAIL, is_certain=scatter.tails_differ(good, bad))
     return Times(what, station, good.whole, bad.whole, middle, tail, uncertainty_s)
 
 
@@ -204,19 +194,3 @@ def _settings(good: Side, bad: Side) -> Iterator[Setting]:
 
 def _limits(limits: Iterable[float]) -> str:
     return ", ".join(f"{limit_s * 1e3:g} ms" for limit_s in sorted(limits)) or "none"
-
-
-def _correct(comparison: Comparison) -> None:
-    """Correct the chances of members and times together. What happened is corrected already, without them: a fault
-    is no less certain for hundred times that were compared, too.
-    """
-    counts = [comparison.stations, comparison.services]
-    raw = [count.chance for group in counts for count in group]
-    raw += [one.chance for times in comparison.times for one in (times.middle, times.tail)]
-    left = iter(chance.corrected(raw))
-    for group in counts:
-        group[:] = [replace(count, chance=next(left)) for count in group]
-    comparison.times = [
-        replace(times, middle=times.middle._replace(chance=next(left)), tail=times.tail._replace(chance=next(left)))
-        for times in comparison.times
-    ]

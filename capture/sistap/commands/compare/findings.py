@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from sistap.commands.compare.differences import Comparison, Count, Parameter, Quantile, Times
+from sistap.commands.compare import scatter
+from sistap.commands.compare.differences import SMALL, Comparison, Count, Parameter, Quantile, Times
 from sistap.commands.compare.happened import Happened
 from sistap.commands.compare.side import Side
 from sistap.dissected.accesses.listing import Listed
@@ -17,6 +19,7 @@ from sistap.tap.common.calendar import local
 
 TIMES = "Times"
 NONE = "nothing differs"
+CHANCE = "may be chance"
 _NAMED = 3  # episodes of the same thing that are told with their own times
 
 
@@ -58,8 +61,8 @@ def lines(comparison: Comparison) -> list[Line]:
 
 
 def _happened(one: Happened, bad: Side) -> str:
-    before = "" if one.is_new else f"; episodes: {one.bad}, was {one.good}"
-    chance = f" ({by_chance(one.chance)})" if one.can_be_chance else ""
+    before = "" if one.is_new else f"; episodes: {one.bad}, was {one.good} ({one.ratio:.1f} times as often)"
+    chance = f" ({CHANCE})" if one.may_be_chance else ""
     return f"{one.episode.text}, {_when(one, bad)}{before}{chance}"
 
 
@@ -82,8 +85,8 @@ def _changed(comparison: Comparison) -> list[str]:
 
 def _members(what: str, counts: Sequence[Count]) -> list[str]:
     """Return members that surely came or went; rare ones need not come again."""
-    told = [count for count in counts if count.is_new == (what == "new") and count.is_certain]
-    return [f"{what}: {one.what}, {_times_over(one.good or one.bad)} ({by_chance(one.chance)})" for one in told]
+    told = [count for count in counts if count.is_new == (what == "new") and not count.may_be_chance]
+    return [f"{what}: {one.what}, {_times_over(one.good or one.bad)}" for one in told]
 
 
 def _times_over(count: int) -> str:
@@ -119,22 +122,15 @@ def _who(listed: Listed | None) -> str:
 
 
 def _times(comparison: Comparison) -> list[str]:
-    differing = sorted((times for times in comparison.times if times.differing), key=lambda times: -times.ratio)
-    return [_time(times, times.differing) for times in differing if times.differing]
+    differing = [(times, one) for times in comparison.times if (one := times.differing)]
+    return [_time(times, one) for times, one in sorted(differing, key=lambda pair: -abs(math.log(pair[1].ratio or 1)))]
 
 
 def _time(times: Times, one: Quantile) -> str:
     longer = "slower" if one.bad_s > one.good_s else "faster"
     share = "half" if one == times.middle else "99 %"
     change = f"{longer}: {share} within {ms(one.bad_s)}, was {ms(one.good_s)}"
-    return f"station {times.station} {times.what} {change} ({by_chance(one.chance)})"
-
-
-def by_chance(likely: float) -> str:
-    """Describe how likely chance makes this."""
-    if likely > 0.2:
-        return "may be chance"
-    return f"by chance 1 in {1 / likely:.0f}" if likely > 1e-6 else "not by chance"
+    return f"station {times.station} {times.what} {change} ({one.ratio:.2f} times)"
 
 
 def ms(time_s: float) -> str:
@@ -159,31 +155,28 @@ def tables(comparison: Comparison) -> list[Table]:
     return [table for table in made if table.rows]
 
 
-_HAPPENED = ("What", "Good", "Bad", "Chance", "Times", "Display filter")
-_COUNTS = ("What", "Good", "Bad", "Chance")
+_HAPPENED = ("What", "Good", "Bad", "Ratio", "", "Times", "Display filter")
+_COUNTS = ("What", "Good", "Bad", "")
 _TIMES = (
-    *("Station", "What", "Good: half within", "Bad: half within", "Chance"),
-    *("Good: 99 % within", "Bad: 99 % within", "Chance", "Differs"),
+    *("Station", "What", "Good: half within", "Bad: half within", "Ratio"),
+    *("Good: 99 % within", "Bad: 99 % within", "Ratio", "Differs"),
 )
 _TIMES_NOTE = (
-    "Chance: how likely it makes such a difference, corrected for all that was compared. A time differs if that is "
-    "less than 1 in 100, and the difference is larger than the uncertainty of both captures, and than 5 %."
+    f"A time differs if the difference is larger than what the pieces of one capture explain ({scatter.FAR} times "
+    f"their scatter), than the uncertainty of both captures, and than {SMALL:.0%} of the time."
 )
 
 
 def _happened_row(one: Happened, comparison: Comparison) -> tuple[str, ...]:
     side = comparison.bad if one.bad else comparison.good
     filter_ = one.episode.filter if len(side.names) == 1 else one.episode.filter_by_time
-    likely = _likely(one.chance) if one.can_be_chance else ""
-    return one.episode.text, str(one.good), str(one.bad), likely, _when(one, side), filter_
+    ratio = f"{one.ratio:.1f}" if one.good and one.bad else ""
+    chance = CHANCE if one.may_be_chance else ""
+    return one.episode.text, str(one.good), str(one.bad), ratio, chance, _when(one, side), filter_
 
 
 def _rows(counts: Iterable[Count]) -> list[tuple[str, ...]]:
-    return [(count.what, str(count.good), str(count.bad), _likely(count.chance)) for count in counts]
-
-
-def _likely(likely: float) -> str:
-    return f"{likely:.2g}" if likely > 1e-6 else "0"
+    return [(one.what, str(one.good), str(one.bad), CHANCE if one.may_be_chance else "") for one in counts]
 
 
 def _parameter(parameter: Parameter) -> tuple[str, ...]:
@@ -193,7 +186,7 @@ def _parameter(parameter: Parameter) -> tuple[str, ...]:
 
 
 def _time_row(times: Times) -> tuple[str, ...]:
-    cells = [(ms(one.good_s), ms(one.bad_s), _likely(one.chance)) for one in (times.middle, times.tail)]
+    cells = [(ms(one.good_s), ms(one.bad_s), f"{one.ratio:.2f}") for one in (times.middle, times.tail)]
     return str(times.station), times.what, *cells[0], *cells[1], "yes" if times.differing else ""
 
 

@@ -7,8 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from sistap.commands.compare import chance
-from sistap.commands.compare.chance import CERTAIN
+from sistap.commands.compare import scatter
 from sistap.commands.compare.side import Side
 from sistap.dissected.episodes.episode import Episode
 from sistap.dissected.episodes.rules import RULES, Severity, Subject
@@ -32,7 +31,8 @@ class Happened:
     good: int  # episodes: hits in a burst have one cause
     bad: int
     is_worse: bool  # longer, or farther beyond its limit
-    chance: float = 0.0  # of a difference this large, 0 to 1
+    ratio: float  # as often in the same time as on the good side; 0 if that does not have it
+    is_certain: bool  # that it is more often, or less
 
     @property
     def is_new(self) -> bool:
@@ -52,16 +52,20 @@ class Happened:
     @property
     def is_finding(self) -> bool:
         """Tell whether the bad side alone has it, or has it surely more often, or worse."""
-        return bool(self.bad) and (self.is_new or self.is_worse or (self.chance < CERTAIN and self.bad > self.good))
+        return bool(self.bad) and (self.is_new or self.is_worse or (self.is_certain and self.ratio > 1))
+
+    @property
+    def may_be_chance(self) -> bool:
+        """Tell whether it is a fault that comes now and then, and not surely more often than before."""
+        return self.can_be_chance and not self.is_certain
 
 
 def happened(good: Side, bad: Side) -> list[Happened]:
     """Return what happened on either side: first what the bad side alone has, in the order of the answer."""
     sides = _by_thing(good.episodes), _by_thing(bad.episodes)
-    found = [_happened(*(side.get(thing, []) for side in sides)) for thing in {**sides[0], **sides[1]}]
     share = bad.seconds / ((good.seconds + bad.seconds) or 1)
-    left = iter(chance.corrected([chance.of_counts(one.good, one.bad, share) for one in found if one.can_be_chance]))
-    return sorted((replace(one, chance=next(left)) if one.can_be_chance else one for one in found), key=_order)
+    found = [_happened(sides[0].get(thing, []), sides[1].get(thing, []), share) for thing in {**sides[0], **sides[1]}]
+    return sorted(found, key=_order)
 
 
 _Thing = tuple[str, int | None, str, str, bool]
@@ -87,10 +91,12 @@ def _thing(episode: Episode) -> _Thing:
     return kind, episode.station, parameter, what, episode.severity >= Severity.WARNING
 
 
-def _happened(good: Sequence[Episode], bad: Sequence[Episode]) -> Happened:
+def _happened(good: Sequence[Episode], bad: Sequence[Episode], share: float) -> Happened:
     episode = _joined(bad or good)
     is_worse = bool(good and bad) and episode.kind not in _TOLD_APART and _worst(bad) > _WORSE * _worst(good)
-    return Happened(episode, bad or good, len(good), len(bad), is_worse)
+    ratio = len(bad) / len(good) * (1 - share) / share if good and share else 0.0
+    is_certain = scatter.counts_differ(len(good), len(bad), share)
+    return Happened(episode, bad or good, len(good), len(bad), is_worse, ratio, is_certain)
 
 
 def _joined(episodes: Sequence[Episode]) -> Episode:

@@ -64,12 +64,12 @@ def _side(side: Side) -> dict[str, Any]:
 
 def _happened(one: Happened) -> dict[str, Any]:
     """Write times and packets of the bad side, or of the good one if the bad one does not have it."""
-    chance = one.chance if one.can_be_chance else None
-    return one.episode.as_json() | {"good": one.good, "bad": one.bad, "chance": chance, "differs": one.is_finding}
+    counts = {"good": one.good, "bad": one.bad, "ratio": one.ratio if one.good else None}
+    return one.episode.as_json() | counts | {"may_be_chance": one.may_be_chance, "differs": one.is_finding}
 
 
 def _count(count: Count) -> dict[str, Any]:
-    return {"what": count.what, "good": count.good, "bad": count.bad, "chance": count.chance}
+    return {"what": count.what, "good": count.good, "bad": count.bad, "may_be_chance": count.may_be_chance}
 
 
 def _parameter(parameter: Parameter) -> dict[str, Any]:
@@ -110,7 +110,7 @@ def _times(times: Times) -> dict[str, Any]:
 
 
 def _quantile(quantile: Quantile) -> dict[str, Any]:
-    return {"good_s": quantile.good_s, "bad_s": quantile.bad_s, "chance": quantile.chance}
+    return quantile._asdict()
 
 
 def _distribution(times: Distribution) -> dict[str, Any]:

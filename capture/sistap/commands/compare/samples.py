@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Millions of values in bounded memory, in the order in which they came: some dozens of pieces with counts.
 
-Neighbouring values on a bus are alike: a slow hour has thousands of slow reactions and is one event. So the test of
-chance uses pieces of the time, not single values.
+Neighbouring values on a bus are alike: a slow hour has thousands of slow reactions and is one event. So pieces of the
+time are compared, not single values.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Sequence
 
 from sistap.dissected.packets.distribution import Distribution
 
@@ -18,13 +18,13 @@ _ZERO = -(10**6)  # the bin of 0, which has no logarithm
 
 
 class Piece:
-    """Consecutive values: how many there are, and how often each bin, or each kind of event, came."""
+    """Consecutive values: how many there are, and how often each bin came."""
 
     __slots__ = ("counts", "values")
 
     def __init__(self) -> None:
         self.values = 0
-        self.counts: Counter[Hashable] = Counter()
+        self.counts: Counter[int] = Counter()
 
     def __iadd__(self, other: Piece) -> Piece:
         self.values += other.values
@@ -39,14 +39,14 @@ class Pieces:
         self.all: list[Piece] = []
         self.length = 1  # values
 
-    def add(self, counted: Iterable[Hashable], values: int) -> None:
+    def add(self, bins: Sequence[int]) -> None:
         """Count values that came together: they belong to one piece."""
         if not self.all or self.all[-1].values >= self.length:
             if len(self.all) == MOST:
                 self._halve()
             self.all.append(Piece())
-        self.all[-1].values += values
-        self.all[-1].counts.update(counted)
+        self.all[-1].values += len(bins)
+        self.all[-1].counts.update(bins)
 
     def of_length(self, length: int) -> list[Piece]:
         """Merge neighbours until a piece has this many values, a power of 2."""
@@ -74,7 +74,7 @@ class Samples:
         """Add values that came together."""
         if values:
             self.whole.add(values)
-            self.pieces.add(map(_bin, values), len(values))
+            self.pieces.add(list(map(_bin, values)))
 
 
 def _bin(value: float) -> int:

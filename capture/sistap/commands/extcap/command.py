@@ -17,7 +17,7 @@ from sistap.tap.terminal.console import Console
 from sistap.tap.terminal.exits import DONE, USAGE
 
 DESCRIPTION = """\
-Serve as an interface of Wireshark: every serial port of this computer, a tap on another computer, and a simulated bus.
+Serve as an interface of Wireshark: every serial port of this computer, and a simulated bus.
 Wireshark runs this command itself, through a launcher in its extcap folder, with the options below. The options of a
 capture are the fields of its dialog.
 """

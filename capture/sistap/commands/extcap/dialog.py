@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from sistap.commands.extcap import interfaces
-from sistap.commands.extcap.interfaces import ANALYSER, DEMO, DISTANT, sentence
+from sistap.commands.extcap.interfaces import ANALYSER, DEMO, sentence
 from sistap.tap.analyser import probe
 from sistap.tap.capture.rate import AUTO, FORMATS
 from sistap.tap.sis.rates import RATES
@@ -22,7 +22,6 @@ class Of(enum.Flag):
     """A kind of interface."""
 
     PORT = enum.auto()
-    DISTANT = enum.auto()
     ANALYSER = enum.auto()
     DEMO = enum.auto()
 
@@ -40,7 +39,6 @@ class Option(NamedTuple):
     reload: bool = False  # with a button that asks for the choices again
     placeholder: str = ""
     validation: str = ""
-    required: bool = False
 
     @property
     def key(self) -> str:
@@ -61,9 +59,7 @@ def _framings(_: str) -> Sequence[Choice]:
 
 
 def _other_ports(name: str) -> Sequence[Choice]:
-    others = [
-        (other.name, other.display) for other in interfaces.found() if other.name not in (name, ANALYSER, DISTANT, DEMO)
-    ]
+    others = [(other.name, other.display) for other in interfaces.found() if other.name not in (name, ANALYSER, DEMO)]
     return [("", "None: a bus"), *others]
 
 
@@ -88,17 +84,6 @@ _MILLISECONDS = "^[1-9][0-9]{0,4}$"
 LINE, TIMES, BUS, PROBE = "Line", "Times", "Bus", "Analyser"
 
 OPTIONS = (
-    Option(
-        "--address",
-        "string",
-        "Host and port",
-        "Where sistap serve runs, or this end of its ssh tunnel. That computer sets rate and format",
-        LINE,
-        of=Of.DISTANT,
-        placeholder="for example pi:5000, or 127.0.0.1:5000 through ssh",
-        validation="^[^ /]+:[0-9]+$",
-        required=True,
-    ),
     Option("--baud", "selector", "Rate", "Rate of the bus. SIS starts at 9600 Bd after power-on", LINE, choices=_rates),
     Option(
         "--other-baud",
@@ -123,7 +108,7 @@ OPTIONS = (
         "Framing",
         "The protocol on the bus: SIS, procedure 3964R between a control and a PPC, or lines of the ASCII protocol",
         LINE,
-        of=Of.PORT | Of.DISTANT | Of.ANALYSER,  # the scenario of the demo bus decides it
+        of=Of.PORT | Of.ANALYSER,  # the scenario of the demo bus decides it
         choices=_framings,
     ),
     Option(
@@ -151,7 +136,7 @@ OPTIONS = (
         "TzA in ms",
         "Longest interval allowed between two characters of a telegram, until the bus itself sets it",
         TIMES,
-        of=Of.PORT | Of.DISTANT | Of.ANALYSER,  # the demo bus says it
+        of=Of.PORT | Of.ANALYSER,  # the demo bus says it
         placeholder="as set on the bus",
         validation=_MILLISECONDS,
     ),
@@ -161,7 +146,7 @@ OPTIONS = (
         "TrS in ms",
         "Longest reaction time allowed, until the bus itself sets it",
         TIMES,
-        of=Of.PORT | Of.DISTANT | Of.ANALYSER,
+        of=Of.PORT | Of.ANALYSER,
         placeholder="as set on the bus",
         validation=_MILLISECONDS,
     ),
@@ -248,7 +233,6 @@ def config(name: str) -> list[str]:
                 tooltip=option.tooltip,
                 group=option.group,
                 reload="true" if option.reload else None,
-                required="true" if option.required else None,
                 placeholder=option.placeholder,
                 validation=option.validation,
             )
@@ -269,7 +253,7 @@ def choices(name: str, called: str) -> list[str]:
 
 def _options_of(name: str) -> list[tuple[int, Option]]:
     """Return the options of an interface with their numbers. Wireshark shows them in the order of the numbers."""
-    kind = {DEMO: Of.DEMO, DISTANT: Of.DISTANT, ANALYSER: Of.ANALYSER}.get(name, Of.PORT)
+    kind = {DEMO: Of.DEMO, ANALYSER: Of.ANALYSER}.get(name, Of.PORT)
     return [item for item in enumerate(OPTIONS) if kind in item[1].of]
 
 

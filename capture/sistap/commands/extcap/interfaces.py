@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The interfaces in Wireshark's list: each serial port, a logic analyser, a distant tap, and the demo bus.
+"""The interfaces in Wireshark's list: each serial port, a logic analyser, and the demo bus.
 
 Wireshark stores the settings of an interface under its name. So the name is that of the adapter, if the system has one
 (/dev/serial/by-id, from vendor, model and serial number): the adapter keeps it at any USB port. Other ports have the
@@ -35,7 +35,6 @@ BY_ID = Path("/dev/serial/by-id")
 DEVICES = Path("/dev")
 PREFIX = "sistap-"
 DEMO = PREFIX + "demo"
-DISTANT = PREFIX + "distant"  # its dialog asks for the address
 ANALYSER = PREFIX + "sigrok"
 
 
@@ -51,14 +50,13 @@ class Interface(NamedTuple):
 
 def found() -> list[Interface]:
     """List the ports, then the interfaces that need none. Without pyserial list only these, and say why."""
-    distant = Interface(DISTANT, "SIS tap on another computer (sistap serve)")
     try:
         names = _adapter_names()
         of_ports = [_of_port(port, str(behind.name), names) for port, behind in ports.found()]
-        return [*of_ports, *_analyser(), distant, Interface(DEMO, "SIS demo bus")]
+        return [*of_ports, *_analyser(), Interface(DEMO, "SIS demo bus")]
     except ModuleNotFoundError:
         why = f"no serial ports: pyserial is missing for {sys.executable}"
-        return [*_analyser(), distant, Interface(DEMO, plain(f"SIS demo bus ({why})"))]
+        return [*_analyser(), Interface(DEMO, plain(f"SIS demo bus ({why})"))]
 
 
 def _analyser() -> list[Interface]:

@@ -11,7 +11,7 @@ from urllib.parse import urlencode
 from sisbus import library
 from sistap.commands import selftest
 from sistap.commands.extcap import dialog
-from sistap.commands.extcap.interfaces import ANALYSER, DEMO, DISTANT, port_of
+from sistap.commands.extcap.interfaces import ANALYSER, DEMO, port_of
 from sistap.commands.extcap.toolbar import Toolbar
 from sistap.tap.analyser import probe
 from sistap.tap.capture.filter import FilterError
@@ -28,7 +28,7 @@ from sistap.tap.terminal.stop import Stop
 
 def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
     """Capture until Wireshark ends it; return the exit code."""
-    if args.uncertainty == dialog.SELFTEST and args.extcap_interface not in (DEMO, DISTANT):
+    if args.uncertainty == dialog.SELFTEST and args.extcap_interface != DEMO:
         _measure(toolbar)
     stop = Stop.current()
     toolbar.when_left(stop.ask)
@@ -71,16 +71,11 @@ def _options(args: argparse.Namespace) -> CaptureOptions:
 
 def _port(args: argparse.Namespace) -> str:
     """Return the port to capture from. ValueError says what is wrong."""
-    interface = args.extcap_interface
-    if interface == DEMO:
+    if args.extcap_interface == DEMO:
         return library.demo(args.scenario, args.faults)
-    if interface == ANALYSER:
+    if args.extcap_interface == ANALYSER:
         return _analyser(args)
-    if interface != DISTANT:
-        return port_of(interface)
-    if not args.address:
-        raise ValueError("the options of this interface need host and port of `sistap serve`, such as pi:5000")
-    return f"bus://{args.address}"
+    return port_of(args.extcap_interface)
 
 
 def _analyser(args: argparse.Namespace) -> str:

@@ -6,23 +6,18 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import BinaryIO
 
 from sistap.commands.parameters import against, user_table, wide, writing
 from sistap.commands.parameters.backup import LATIN_1, Damaged, Drive, drives, is_station
-from sistap.commands.parameters.mf4 import Measurement
 from sistap.commands.parameters.reading import Found, found
 from sistap.dissected.accesses.listing import MOST, Listing
 from sistap.dissected.captures.joining import check_captures
 from sistap.dissected.wireshark.rows import NotACapture
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
-from sistap.tap.common.packages import NotInstalled
 from sistap.tap.common.writing import Incomplete, NotOpened, opened
 from sistap.tap.terminal.console import Console
 from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError
 from sistap.tap.terminal.writing import FORCE
-
-NOTHING = "no parameter was read or written"
 
 DESCRIPTION = """\
 List the parameters that were read and written. For each parameter of each device, the list has its name and unit. It
@@ -51,14 +46,13 @@ examples:
   sistap parameters --changes night-*.pcapng                who changed what and when, old and new value
   sistap parameters --csv day.pcapng -o parameters.csv      for a spreadsheet
   sistap parameters --csv --wide day.pcapng -o values.csv   all values, for curves
-  sistap parameters --mf4 day.pcapng -o values.mf4          the same as MF4, for asammdf, CANape, MATLAB
   sistap parameters --from drive.par -o ~/.config/wireshark/profiles/SIS/sis_parameters
                                                             names for Wireshark with the profile SIS
   sistap parameters day.pcapng --against drive.par          what differs from the backup, and who wrote it
 
 exit status:
   0  done; a message on standard error says if the end of a capture is missing
-  1  failed while running: tshark, the plugin or asammdf is missing, disk full
+  1  failed while running: tshark or the plugin is missing, disk full
   2  wrong usage, a CAPTURE or backup that cannot be read, nothing to compare, or a FILE that cannot be written
 """
 
@@ -76,9 +70,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--wide", action="store_true", help="with --csv: all values, a line for each time, a column for each parameter"
     )
-    parser.add_argument(
-        "--mf4", action="store_true", help="write all values as MF4: a channel for each parameter (needs asammdf)"
-    )
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
     parser.add_argument("--force", action="store_true", help=FORCE)
 
@@ -95,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
     except (UsageError, NotACapture, NotOpened, Damaged) as error:
         console.say(str(error))
         return USAGE
-    except (NotInstalled, Incomplete, TsharkError) as error:
+    except (Incomplete, TsharkError) as error:
         console.say(str(error))
         return FAILED
     return DONE
@@ -113,24 +104,13 @@ def _write_table(args: argparse.Namespace, console: Console) -> None:
 
 def _write_accesses(args: argparse.Namespace, console: Console) -> None:
     saved = _stations(args, drives(args.against), console) if args.against else []
-    measurement = Measurement() if args.mf4 else None
     with Tshark() as tshark, opened(args.output, args.captures, force=args.force) as file:
         came = found(tshark, args.captures, console.say)
-        if measurement:
-            _write_measurement(measurement, came, file, console)
-            return
         if args.against:
             lines: Iterable[str] = against.lines(saved, came)
         else:
             lines = wide.lines(came) if args.wide else _lines(args, came, console)
         file.writelines(f"{line}\n".encode() for line in lines)
-
-
-def _write_measurement(measurement: Measurement, came: Iterable[Found], file: BinaryIO, console: Console) -> None:
-    measurement.add(came)
-    measurement.write(file)
-    if measurement.empty:
-        console.say(NOTHING)
 
 
 def _stations(args: argparse.Namespace, found_drives: Sequence[Drive], console: Console) -> Sequence[tuple[str, Drive]]:
@@ -149,11 +129,7 @@ def _stations(args: argparse.Namespace, found_drives: Sequence[Drive], console: 
 def _check_usage(args: argparse.Namespace) -> None:
     if args.wide and (args.changes or not args.csv):
         raise NotACapture("--wide belongs to --csv, without --changes")
-    if args.mf4 and (args.changes or args.csv or args.against or args.output is None):
-        raise NotACapture(
-            "--mf4 has an output of its own: name its FILE with -o, leave out --changes, --csv, --against"
-        )
-    if args.backup and (args.captures or args.against or args.changes or args.csv or args.mf4):
+    if args.backup and (args.captures or args.against or args.changes or args.csv):
         raise NotACapture("--from makes a table from a backup: leave out captures and other options")
     if not args.backup and not args.captures:
         raise NotACapture("name a capture, or a backup with --from")
@@ -190,4 +166,4 @@ def _lines(args: argparse.Namespace, accesses: Iterable[Found], console: Console
     if listing.left_out:
         console.say(f"more than {MOST} parameters: {listing.left_out} accesses to others are not in the list")
     elif not len(listing):
-        console.say(NOTHING)
+        console.say("no parameter was read or written")

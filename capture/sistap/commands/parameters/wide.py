@@ -57,10 +57,7 @@ def lines(accesses: Iterable[Found]) -> Iterator[str]:
 
 
 def _head(access: Access, *, has_port: bool) -> str:
-    return column(access, has_port=has_port) + (f" ({access.unit})" if access.unit else "")
-
-
-def column(access: Access, *, has_port: bool) -> str:
     """Return the name of a column."""
     port, station, device, ident = access.parameter
-    return " ".join(filter(None, (port if has_port else "", f"{station} device {device}", ident, access.name)))
+    unit = f"({access.unit})" if access.unit else ""
+    return " ".join(filter(None, (port if has_port else "", f"{station} device {device}", ident, access.name, unit)))

@@ -3,5 +3,5 @@
 
 The command (command), what matters (reasons: filters; watching: what happens), the records around it (keeper), the
 names and the number of files (retention), their compression (packing), notifications (notifier), live values for other
-programs (values, outlets), and the thread of all that (recorder). It may use capture, explain and episodes.
+programs (values), and the thread of all that (recorder). It may use capture, explain and episodes.
 """

@@ -10,11 +10,11 @@ from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from sistap.commands.recorder import outlets, retention
+from sistap.commands.recorder import retention
 from sistap.commands.recorder.keeper import Around
 from sistap.commands.recorder.reasons import FAULTS, FILTERS, NOTHING
 from sistap.commands.recorder.recorder import Recorder, Wanted
-from sistap.commands.recorder.values import MOST, Values
+from sistap.commands.recorder.values import Values
 from sistap.commands.recorder.watching import judges
 from sistap.dissected.episodes.live import LIVE
 from sistap.dissected.episodes.options import add_rule
@@ -29,7 +29,6 @@ from sistap.tap.capture.command import (
     started,
 )
 from sistap.tap.capture.running import Opener
-from sistap.tap.common.packages import NotInstalled
 from sistap.tap.files.output import Output
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.files.writer import PcapngWriter
@@ -47,21 +46,11 @@ display filter finds. Around each, a file kept_TIME_REASON.pcapng is written int
 port.
 """
 
-EPILOG = f"""\
+EPILOG = """\
 Overlapping times share one file. A file ends --after seconds after its last reason. The recorder waits --before seconds
 more before it closes the file and starts COMMAND: a reason in that time goes into the same file. In the first hour it
 learns what is usual: steps of values, and first writes of a master, are kept from then on. FILTER is tested live: a
 command without a reaction is found at the next command (sis.unanswered_before).
-
-With --values, each value of a parameter is also sent when it is read or written. URL is one of these:
-  -                                     lines of InfluxDB's line protocol on standard output, for Telegraf
-  http://HOST:8086/write?db=NAME        the same lines to InfluxDB 1, or a program that takes its lines
-  http://HOST:8086/api/v2/write?org=ORG&bucket=NAME
-                                        to InfluxDB 2 or 3; also https://
-  mqtt://HOST/TOPIC                     JSON to a broker of MQTT, below TOPIC/STATION/DEVICE/PARAMETER; also mqtts://
-
-A password or token is in the environment variable {outlets.SECRET}, the user in the URL (mqtt://USER@HOST/TOPIC).
-If the server is away, {MOST} values wait, and the recorder tries again. It never waits for the server.
 
 `sistap capture --help` describes PORT, --baud auto, --follow-baud and capture filters.
 
@@ -75,7 +64,7 @@ examples:
                                                                also all records, in a ring of a week
   sistap record -i /dev/ttyUSB0 -w kept/ --keep nothing -b duration:3600 --compress
                                                                all records alone, compressed: 3 to 12 times smaller
-  sistap record -i /dev/ttyUSB0 -w kept/ --values mqtt://broker/press-4
+  sistap record -i /dev/ttyUSB0 -w kept/ --values - | mosquitto_pub -h broker -t press-4 -l
                                                                also each value, to a broker of MQTT
 
 exit status:
@@ -140,8 +129,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--values",
         action=Once,
-        metavar="URL",
-        help="send each value of a parameter to InfluxDB, Telegraf or a broker of MQTT (needs paho-mqtt); see below",
+        metavar="-",
+        help="write each value of a parameter to standard output when it is read or written: lines of InfluxDB's line "
+        "protocol, for Telegraf or mosquitto_pub",
     )
     add_end_arguments(parser)
 
@@ -151,7 +141,7 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         return refusing(console, lambda: _record(args, console))
-    except (NotInstalled, TsharkError) as error:
+    except TsharkError as error:
         console.alarm(str(error))
         return FAILED
 
@@ -166,7 +156,9 @@ def _record(args: argparse.Namespace, console: Console) -> int:
     if NOTHING in args.keep and (len(args.keep) > 1 or not (options.ring or args.values)):
         alone = "is for a full ring alone, or --values: add -b duration:SECONDS, leave out other --keep"
         raise UsageError(f"--keep {NOTHING} {alone}")
-    values = Values(outlets.outlet_of(args.values)) if args.values else None
+    if args.values not in (None, STANDARD_OUTPUT):
+        raise UsageError(f"--values {args.values}: it is - alone, for Telegraf, or `| mosquitto_pub -l ...` behind it")
+    values = Values() if args.values else None
     with Tshark() as tshark:
         deciding = judges(tshark, args.keep or [FAULTS], args.thresholds, values)
     _make(folder)

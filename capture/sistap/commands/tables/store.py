@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
 import pyarrow as pa
+import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 
 from sistap.commands.tables.rows import Row
@@ -79,7 +80,7 @@ class Store:
             reason = error.strerror or error
             raise Incomplete(f"{self._root} is incomplete: {reason}; make room, and run it again") from None
         except _Strange as strange:
-            raise Incomplete(f"{strange} is none of the tables: move it away, and run it again") from None
+            raise Incomplete(f"{strange}: move what is none of the tables away, and run it again") from None
         finally:
             incoming.clear()
         return incoming.count
@@ -108,7 +109,7 @@ class Store:
 
 
 class _Strange(Exception):
-    """A file in the folder is not one of these tables; the text is its name."""
+    """A file in the folder is not one of these tables; the text says which one."""
 
 
 class _Incoming:
@@ -169,18 +170,18 @@ class _Incoming:
 
     def _unknown(self, part: Part, values: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
         """Yield the rows that no other capture has added to this partition."""
-        same = TABLES[part.table].same
-        times = [row["epoch_ns"] for row in values]
-        own = f"-{self.id}-"
-        there: set[tuple[Any, ...]] = set()
-        for file in part.folder(self._root).glob("*.parquet"):
-            if own not in file.name:
-                try:
-                    there.update(_keys(file, same, min(times), max(times)))
-                except (pa.ArrowException, KeyError, TypeError):
-                    raise _Strange(str(file)) from None
-        key = itemgetter(*same)
-        return (row for row in values if key(row) not in there) if there else iter(values)
+        table = TABLES[part.table]
+        files = [str(file) for file in part.folder(self._root).glob("*.parquet") if f"-{self.id}-" not in file.name]
+        if not files:
+            return iter(values)
+        times, time = [row["epoch_ns"] for row in values], ds.field("epoch_ns")
+        try:
+            known = ds.dataset(files, table.schema).to_table([*table.same], (time >= min(times)) & (time <= max(times)))
+        except pa.ArrowInvalid as error:  # it names the file
+            raise _Strange(str(error).partition("\n")[0]) from None
+        there = set(zip(*known.to_pydict().values(), strict=True))
+        key = itemgetter(*table.same)
+        return (row for row in values if key(row) not in there)
 
     def _writer(self, part: Part) -> pq.ParquetWriter:
         if part not in self._writers:
@@ -220,15 +221,3 @@ def _part(table: str, tap: str, day: int) -> Part:
 def slug(name: str) -> str:
     """Return a name that is a valid folder on every system and needs no quotes in SQL."""
     return re.sub(r"[^A-Za-z0-9.-]+", "_", name).strip("_.")[:_LONGEST] or "unnamed"
-
-
-def _keys(file: Path, same: tuple[str, ...], first_ns: int, last_ns: int) -> Iterator[tuple[Any, ...]]:
-    """Yield the keys of the rows in this time. Read only files that overlap it."""
-    with pq.ParquetFile(file) as parquet:
-        column = parquet.schema_arrow.get_field_index("epoch_ns")
-        for number in range(parquet.num_row_groups):
-            times = parquet.metadata.row_group(number).column(column).statistics
-            if times and (times.max < first_ns or times.min > last_ns):
-                continue
-            columns = parquet.read_row_group(number, columns=list(same)).to_pydict()
-            yield from zip(*(columns[name] for name in same), strict=True)

@@ -2,6 +2,5 @@
 """sistap in the page of a browser (lua-fallback/page), where Python runs as WebAssembly.
 
 What the page asks of sistap: logs (opening), the virtual bus in real time (play), a capture at ports that the page
-reads, or at a tap that it hears (listen), and what these have in common (window). `sistap web` (command) opens the
-page, and hands it the tap of this computer.
+reads (listen), and what these have in common (window). `sistap web` (command) opens the page.
 """

@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Listens for the page: a capture as `sistap capture` makes it, turn by turn.
-
-The page reads ports with Web Serial. Or it hears a tap over HTTP, as `sistap capture` hears one over a socket.
-"""
+"""Listens for the page, which reads ports with Web Serial: a capture as `sistap capture` makes it, turn by turn."""
 
 from __future__ import annotations
 
 import json
 from collections import deque
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any
 
 from sistap.commands.imports import ftdi
 from sistap.commands.web.window import Window
@@ -19,77 +16,12 @@ from sistap.tap.capture.session import Capture
 from sistap.tap.capture.tap import Conditions
 from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.tap.files.writer import PcapngWriter
-from sistap.tap.line.clock import CLOCK
 from sistap.tap.line.ports import Adapter
 from sistap.tap.line.reader import PortLost, latency
 from sistap.tap.line.reader.latency import Known
-from sistap.tap.line.settings import Flag, Happening, LineSettings, Notice, Read
+from sistap.tap.line.settings import Flag, LineSettings, Read
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Record
-from sistap.tap.wire.connection import greeted
-from sistap.tap.wire.distant import DistantReader
-
-# -- A tap ----------------------------------------------------------------------------------------------------------
-
-
-class _Fed:
-    """What a reader needs of a socket: the page has received its bytes, and nothing can be sent."""
-
-    def __init__(self) -> None:
-        self.pieces: deque[bytes] = deque()
-
-    def settimeout(self, seconds: float) -> None:
-        """Do nothing: nobody waits."""
-
-    def recv(self, most: int) -> bytes:
-        """Return some bytes. BlockingIOError if there are none."""
-        if not self.pieces:
-            raise BlockingIOError
-        piece = self.pieces.popleft()
-        if len(piece) > most:
-            self.pieces.appendleft(piece[most:])
-        return piece[:most]
-
-    def send(self, data: bytes) -> int:
-        """Send nothing: whoever hands the page the tap gives the signs of life."""
-        return len(data)
-
-    def close(self) -> None:
-        """Do nothing: the page closes it."""
-
-
-class TappedReader(DistantReader):
-    """The tap of the computer whose `sistap web` has opened the page."""
-
-    def __init__(self, first: bytes) -> None:
-        """Begin with what the tap has said first: what it is, and its settings. ValueError if that is no tap."""
-        self._fed = _Fed()
-        self._fed.pieces.append(first)
-        self._gone = ""
-        super().__init__("sistap web", 0, greeted(cast(Any, self._fed), CLOCK.now_ns()))
-
-    def hear(self, chunk: dict[str, Any]) -> None:
-        """Take what the page has heard of it."""
-        self._fed.pieces.append(bytes(chunk["data"]))
-
-    def lose(self, text: str) -> None:
-        """Note that the tap is gone."""
-        self._gone = text
-
-    def read(self, timeout_s: float) -> Read | None:
-        """Return what the tap has read, at once. PortLost if it is gone."""
-        if self._reads or self._fed.pieces:
-            return super().read(0)
-        if self._gone:
-            raise PortLost(self._gone, self.line)
-        return None
-
-    def _look_again(self, *, is_steady: bool = False) -> None:  # noqa: ARG002 - however long it was
-        """Do not: only the page can."""
-        self._gone = self._gone or "the tap is gone: reload the page"
-
-
-# -- Ports -----------------------------------------------------------------------------------------------------------
 
 # The browser does not say which character of a read had an error, and nothing but the page itself can be measured. So
 # an error is "somewhere in this read", and the bound of the times is what the page was late, what the browser may add,
@@ -135,7 +67,7 @@ class WebReader:
         flags = bytes([Flag.UNLOCATED_ERROR if chunk["error"] else 0]) * len(data)
         if chunk["lost"] and data:
             flags = bytes([flags[0] | Flag.LOST_BEFORE]) + flags[1:]
-        notices = (Notice(Happening.MARKER, chunk["note"]),) if chunk["note"] else ()
+        notices = (chunk["note"],) if chunk["note"] else ()
         time_ns = int(chunk["time_ms"] * 1000) * 1000
         self._reads.append(Read(self.line, time_ns, data, flags, uncertainty_ns, settings, notices))
 
@@ -162,7 +94,7 @@ class WebReader:
 class _Both:
     """The ports of a tap as one."""
 
-    def __init__(self, readers: Sequence[WebReader | TappedReader]) -> None:
+    def __init__(self, readers: Sequence[WebReader]) -> None:
         self._readers = list(readers)
 
     def read(self, timeout_s: float) -> Read | None:
@@ -219,13 +151,11 @@ class Listening:
     """A capture at one port, or at the two of a full-duplex line."""
 
     def __init__(self, asked: str) -> None:
-        """`asked` is JSON: ports [{name, vendor}], baud ("auto" looks for it), format, late_ms, system; or of a tap,
-        what it has said first, and system.
-        """
+        """`asked` is JSON: ports [{name, vendor}], baud ("auto" looks for it), format, late_ms, system."""
         wanted = json.loads(asked)
-        is_auto = wanted.get("baud") == AUTO
-        readers = [TappedReader(bytes(wanted["tap"]))] if "tap" in wanted else _of_ports(wanted, is_auto=is_auto)
-        self._readers: dict[int, WebReader | TappedReader] = {reader.line: reader for reader in readers}
+        is_auto = wanted["baud"] == AUTO
+        readers = _of_ports(wanted, is_auto=is_auto)
+        self._readers = {reader.line: reader for reader in readers}
         self._counters, self._stream, self._console = Counters(), Stream(), _Console()
         interfaces = {reader.line: _interface(reader, is_auto=is_auto) for reader in readers}
         self._sink = _Sink(self._stream, interfaces, self._counters, wanted["system"])
@@ -239,8 +169,7 @@ class Listening:
     def step(self, heard: str) -> bytes:
         """Go on with what the page has read; return the blocks that this adds. `heard` is JSON: a list of chunks.
 
-        A chunk is {line, time_ms, data, baud, format, unseen_ms, late_ms, error, lost, note}, or {line, gone}; of a tap
-        {line, data}.
+        A chunk is {line, time_ms, data, baud, format, unseen_ms, late_ms, error, lost, note}, or {line, gone}.
         """
         for chunk in json.loads(heard):
             reader = self._readers[chunk["line"]]
@@ -294,7 +223,7 @@ def _of_ports(wanted: dict[str, Any], *, is_auto: bool) -> list[WebReader]:
     ]
 
 
-def _interface(reader: WebReader | TappedReader, *, is_auto: bool) -> Interface:
+def _interface(reader: WebReader, *, is_auto: bool) -> Interface:
     settings = "rate by --baud auto" if is_auto else str(reader.settings)
     baud = 0 if is_auto else reader.settings.baud
     return Interface(LINKTYPE_WIRESHARK_UPPER_PDU, reader.name, f"{settings}; {reader.timing}", baud, reader.adapter)

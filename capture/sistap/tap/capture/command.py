@@ -36,7 +36,7 @@ never writes to the port.
 EPILOG = """\
 A PORT is one of these:
   /dev/ttyUSB0, COM5            a device; `sistap ports` lists them
-  bus://HOST:PORT               a tap on another computer (`sistap serve`), or a virtual bus (`sistap bus`)
+  bus://HOST:PORT               a virtual bus (`sistap bus`)
   sigrok:fx2lafw?rx=D0          a logic analyser that sigrok-cli can read, with times exact to a microsecond
   socket://HOST:PORT            a URL of pyserial, also rfc2217://HOST:PORT; its times are less exact
 
@@ -72,7 +72,7 @@ examples:
   sistap capture -i /dev/ttyUSB0                               each telegram with its meaning
   sistap capture -i /dev/ttyUSB0 -w - | wireshark -C SIS -k -i -
                                                                live in Wireshark
-  sistap capture -i bus://pi:5000 -w x.pcapng                  the bus at another computer
+  sistap capture -i bus://127.0.0.1:5000 -w x.pcapng           a virtual bus
   sistap capture -i /dev/ttyUSB0 --baud auto                   find the rate
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 -w x.pcapng   both directions of RS422
   sistap capture -i /dev/ttyUSB0 -i /dev/ttyUSB1 --framing 3964r -w x.pcapng

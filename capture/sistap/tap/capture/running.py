@@ -17,7 +17,7 @@ from sistap.tap.files.pcapng import LINK_TYPES, UPPER_PDU, Interface
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.line import drivers, priority
 from sistap.tap.line.clock import CLOCK
-from sistap.tap.line.reader import Distant, PortError, Reader, open_reader
+from sistap.tap.line.reader import PortError, Reader, open_reader
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Event, Record, event
@@ -50,7 +50,6 @@ class Ports:
                         say(f"{said}. Waiting for it")
                 time.sleep(PAUSE_S)
             self._open.append(reader)
-            self._check_steering(reader)
         return list(self._open)
 
     def reopen(self, lost: Reader, settings: LineSettings) -> Reader:
@@ -66,12 +65,6 @@ class Ports:
         """Close all ports."""
         while self._open:
             self._open.pop().close()
-
-    def _check_steering(self, reader: Reader) -> None:
-        options = self._options
-        steered = "--follow-baud" if options.follow_baud else "--baud auto" if options.formats else ""
-        if steered and isinstance(reader, Distant):
-            raise PortError(f"{reader.name}: the tap there sets the rate: give {steered} to `sistap serve`, not here")
 
 
 Interfaces = Mapping[int, Interface]

@@ -14,8 +14,8 @@ from sistap.tap.capture.rate import FORMATS, Steering, Step
 from sistap.tap.capture.tap import EVERYTHING, Conditions, Sink, Tap
 from sistap.tap.files.output import Output, OutputError, ReaderGone
 from sistap.tap.line.clock import monotonic_ns
-from sistap.tap.line.reader import Distant, Exact, Measuring, PortError, PortLost, Reader, Several, Source, together
-from sistap.tap.line.settings import Happening, LineSettings, Notice, Read
+from sistap.tap.line.reader import Exact, Measuring, PortError, PortLost, Reader, Several, Source, together
+from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.cut import SIS
 from sistap.tap.records.record import Event
@@ -26,13 +26,6 @@ from sistap.tap.terminal.stop import Stop
 
 READ_TIMEOUT_S = 0.1  # upper bound on the time to stop
 TICK_NS = 1_000_000_000  # how often hints and progress are updated
-
-_EVENTS = {
-    Happening.MARKER: Event.MARKER,
-    Happening.LOST: Event.CHARACTERS_LOST,
-    Happening.GONE: Event.ADAPTER_LOST,
-    Happening.ANEW: Event.CHARACTERS_LOST,
-}
 
 
 class Capture:
@@ -75,8 +68,7 @@ class Capture:
         self._exactness: dict[int, Exactness] = {}  # of each line
         self._steering = self._steering_of(readers[0].settings)
         self._steps: list[Step] = []  # not done yet
-        # the reason for new settings; without another reason the tap has changed them
-        self._why = "set where the tap is"
+        self._why = ""  # the reason for new settings
         self._port_lost = False
         self._refused: set[str] = set()  # settings that a port does not support, reported once
         self._started_ns = self._tick_ns = 0
@@ -265,9 +257,6 @@ class Capture:
         if not baud and self._conditions.cut != SIS:
             self._console.say("sistap can search for the rate of SIS telegrams only: choose a rate")
             return
-        if any(isinstance(reader, Distant) for reader in self._readers):
-            self._console.say("the rate of a distant tap is set on its computer, with the options of `sistap serve`")
-            return
         formats = () if baud else self._conditions.formats or FORMATS
         self._conditions = replace(self._conditions, formats=formats)
         settings = self._readers[0].settings._replace(baud=baud or RATES[0])
@@ -309,21 +298,13 @@ class Capture:
             if self._conditions.limits:
                 self._tap.note(read.line, Event.LIMITS_TOLD, self._conditions.limits)
         for notice in read.notices:
-            self._hear(notice, read)
+            self._tap.note(read.line, Event.MARKER, notice, read.time_ns)
+            self._console.say(self._tap.which(read.line) + notice)
         completed = self._tap.take(read, now, self._why)
         if self._steering:
             if completed and completed[0].event == Event.SETTINGS_CHANGED and not self._steering.searching:
                 self._console.say(self._tap.which(read.line) + completed[0].data.decode())
             self._steps.extend(self._steering.take(read, completed))
-
-    def _hear(self, notice: Notice, read: Read) -> None:
-        """Write and report the notices of a read."""
-        if notice.happening == Happening.GONE:
-            self._tap.flush(self._tap.reader(read.line))
-        elif notice.happening == Happening.ANEW:
-            self._tap.restart(read.line)
-        self._tap.note(read.line, _EVENTS[notice.happening], notice.text, read.time_ns)
-        self._console.say(self._tap.which(read.line) + notice.text)
 
     def _idle(self, now: int) -> None:
         for number, records in self._tap.idle(now):

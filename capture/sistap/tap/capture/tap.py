@@ -12,7 +12,7 @@ from sistap.tap.capture.hints import Hints
 from sistap.tap.capture.rate import Scan
 from sistap.tap.line import drivers
 from sistap.tap.line.clock import CLOCK
-from sistap.tap.line.reader import Distant, OwnTime, Reader
+from sistap.tap.line.reader import OwnTime, Reader
 from sistap.tap.line.settings import Read
 from sistap.tap.records.assembler import Assembler
 from sistap.tap.records.counters import Counters
@@ -87,8 +87,7 @@ class Tap:
 
     def add_line(self, number: int, reader: Reader) -> None:
         """Begin a line."""
-        distant = isinstance(reader, Distant)
-        self._assembler.add_line(number, reader.settings, self._clock_ns(), own_time=distant)
+        self._assembler.add_line(number, reader.settings, self._clock_ns())
         counters = Counters() if self._several else self._counters
         self._lines[number] = _Line(reader, counters, self._new_hints(reader))
 
@@ -136,11 +135,6 @@ class Tap:
         self._assembler.flush(self._lines_of(reader), self._clock_ns())
         self._write_due()
 
-    def restart(self, number: int) -> None:
-        """Continue with another clock on a line."""
-        self._assembler.restart(number, self._clock_ns())
-        self._write_due()
-
     def note(self, number: int, code: Event, text: str, time_ns: int | None = None) -> None:
         """Write an event that is not in what was read, at the present time or the given one."""
         self._assembler.add([self._event(number, code, text, time_ns)], self._clock_ns())
@@ -149,7 +143,7 @@ class Tap:
     def note_clock_step(self, number: int) -> str:
         """Write an event if the wall clock was set. Return a message about it, or an empty text."""
         step_ns = CLOCK.step_ns()
-        if not step_ns or isinstance(self.reader(number), Distant):
+        if not step_ns:
             return ""
         moved = f"{CLOCK_MOVED.format(step_ns / 1e9)} (it was set, or the computer slept)"
         text = f"{moved}; times in this capture go on without the step"

@@ -12,9 +12,6 @@ from typing import Any
 from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.stop import held
 
-# Debian's own Python takes no others from pip.
-_OF_DEBIAN = {"pyserial": "python3-serial", "paho-mqtt": "python3-paho-mqtt"}
-
 _ROOT = Path(__file__).resolve().parents[3]  # of the package sistap
 
 
@@ -22,13 +19,13 @@ class NotInstalled(Exception):
     """A package is missing that one option needs; the text is the line to show."""
 
 
-def needed(module: str, package: str = "") -> Any:
-    """Import a module that one option needs. NotInstalled says how to get its package."""
+def needed(package: str) -> Any:
+    """Import a package that one command needs. NotInstalled says how to get it."""
     try:
         with held():
-            return importlib.import_module(module)
+            return importlib.import_module(package)
     except ImportError:
-        raise NotInstalled(missing(package or module)) from None
+        raise NotInstalled(missing(package)) from None
 
 
 def missing(package: str) -> str:
@@ -49,8 +46,8 @@ def _how_to_get(package: str) -> str:
         return f"type {shell_word(str(python))} -m pip install {package}"
     if sys.prefix != sys.base_prefix or not Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").exists():
         return f"`{shell_word(str(python))} -m pip install {package}`"
-    if sys.platform == "linux" and package in _OF_DEBIAN:
-        return f"`sudo apt-get install {_OF_DEBIAN[package]}`"
+    if sys.platform == "linux" and package == "pyserial":
+        return "`sudo apt-get install python3-serial`"  # Debian's own Python takes no others from pip
     before = "`sudo apt-get install python3-venv`, " if sys.platform == "linux" else ""
     return (
         f"{before}`{python} -m venv --system-site-packages ~/sistap-python`, `~/sistap-python/bin/pip install "

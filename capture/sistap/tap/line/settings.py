@@ -69,22 +69,6 @@ class LineSettings(NamedTuple):
         return half_bits * 500_000_000 // self.baud
 
 
-class Happening(enum.IntEnum):
-    """The subject of a notice; its number on the wire (sistap.tap.wire.protocol)."""
-
-    MARKER = 0
-    LOST = 1  # characters are missing
-    GONE = 2  # a port, or the connection to another computer
-    ANEW = 3  # another source, perhaps with another clock; nobody knows what is missing
-
-
-class Notice(NamedTuple):
-    """A message from the source of the characters."""
-
-    happening: Happening
-    text: str
-
-
 class Read(NamedTuple):
     """Characters that arrived together: what one read of a port delivered.
 
@@ -100,4 +84,4 @@ class Read(NamedTuple):
     flags: bytes  # one Flag byte for each character, of FROM_READER
     uncertainty_ns: int = UNCERTAINTY_UNKNOWN
     settings: LineSettings | None = None  # settings of these characters; None: as at the beginning
-    notices: tuple[Notice, ...] = ()  # to be reported before the characters
+    notices: tuple[str, ...] = ()  # of the source, to be reported before the characters

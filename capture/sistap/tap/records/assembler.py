@@ -59,7 +59,6 @@ class _Line:
 
     framer: Framer
     arrived_ns: int  # time of the last arrival
-    own_time: bool  # reads without characters tell the time
     why: str | None = None  # reason for settings that differ from those of the last read
 
 
@@ -75,9 +74,9 @@ class Assembler:
         self._order = Order()
         self.cut = cut
 
-    def add_line(self, number: int, settings: LineSettings, now_ns: int, *, own_time: bool = False) -> None:
-        """Begin a line; `own_time`: a network may deliver late what came in time."""
-        self._lines[number] = _Line(self.cut.framer(number, settings), now_ns, own_time)
+    def add_line(self, number: int, settings: LineSettings, now_ns: int) -> None:
+        """Begin a line."""
+        self._lines[number] = _Line(self.cut.framer(number, settings), now_ns)
 
     @property
     def lines(self) -> Sequence[int]:
@@ -131,7 +130,7 @@ class Assembler:
         """Check which lines have been silent for long. Return the records that this completed, with their lines."""
         completed = []
         for number, line in self._lines.items():
-            records = [] if line.own_time else line.framer.idle(now_ns - line.arrived_ns)
+            records = line.framer.idle(now_ns - line.arrived_ns)
             self.add(records, now_ns)
             completed.append((number, records))
         return completed

@@ -54,7 +54,7 @@ _MACOS = _LINUX._replace(
     libpcap="macOS includes it: start sistap with the Python of this system",
     path='`export PATH="{folder}:$PATH"`, also as a line of ~/.zprofile',
     in_use="(also by its other name, /dev/cu.* or /dev/tty.*): `lsof {port}` names it",
-    latency_timer="the driver of macOS has no such setting: capture with `sistap serve` on a Linux computer",
+    latency_timer="the driver of macOS has no such setting: capture on a Linux computer, through ssh",
     ports_group="",
     package="",
 )

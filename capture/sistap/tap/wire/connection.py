@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The connection to a virtual bus or a distant tap, up to its introduction; and the reader of a virtual bus."""
+"""The connection to a virtual bus, up to its introduction; and its reader."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextlib import suppress
 from typing import NamedTuple
 from urllib.parse import urlsplit
 
-from sistap.tap.line.clock import CLOCK, monotonic_ns
+from sistap.tap.line.clock import monotonic_ns
 from sistap.tap.line.reader.contract import PortError, PortLost
 from sistap.tap.line.reader.trouble import connection_trouble
 from sistap.tap.line.settings import LineSettings, Read
@@ -26,17 +26,14 @@ class Connection(NamedTuple):
     decoder: protocol.Decoder
     hello: protocol.Hello
     after_hello: list[protocol.Message]
-    ahead_ns: int  # how far our clock is ahead of the other end's
-    ahead_by_ns: int  # largest error of ahead_ns
 
 
 def connect(port: str) -> Connection:
     """Connect to bus://HOST:PORT or bus:///SOCKET. May raise PortError."""
-    asked_ns = CLOCK.now_ns()
     try:
         connection = _connected(port)
         try:
-            return greeted(connection, asked_ns)
+            return _greeted(connection)
         except BaseException:
             connection.close()
             raise
@@ -46,18 +43,14 @@ def connect(port: str) -> Connection:
         raise PortError(connection_trouble(port, error)) from error
 
 
-def greeted(connection: socket.socket, asked_ns: int) -> Connection:
+def _greeted(connection: socket.socket) -> Connection:
     """Wait for the first message. OSError, or ValueError if it is another one."""
     end_ns = monotonic_ns() + TIMEOUT_S * 1_000_000_000
     decoder = protocol.Decoder()
     hello, *others = _received(connection, decoder, end_ns)
-    heard_ns = CLOCK.now_ns()
     if not isinstance(hello, protocol.Hello):
         raise ValueError(f"it does not say what it is{protocol.CURE}")  # noqa: TRY004 - a wrong value on the wire
-    while hello.kind == protocol.Kind.TAP and not others:  # its settings
-        others = _received(connection, decoder, end_ns)
-    ahead_ns = hello.time_ns - (asked_ns + heard_ns) // 2
-    return Connection(connection, decoder, hello, others, ahead_ns, (heard_ns - asked_ns) // 2)
+    return Connection(connection, decoder, hello, others)
 
 
 def _received(connection: socket.socket, decoder: protocol.Decoder, end_ns: int) -> list[protocol.Message]:
@@ -70,9 +63,7 @@ def _received(connection: socket.socket, decoder: protocol.Decoder, end_ns: int)
         connection.settimeout(left_ns / 1e9)
         data = connection.recv(4096)
         if not data:
-            raise OSError(
-                0, "the other end closes the connection at once: its --allow must name you, and it may be full"
-            )
+            raise OSError(0, "the other end closes the connection at once: it may be full")
         messages = decoder.feed(data)
     return messages
 
@@ -99,13 +90,14 @@ def _connected(port: str) -> socket.socket:
 class WireReader:
     """Reads the socket of a virtual bus (sistap.tap.wire.protocol). Its reads have their own times, errors and line."""
 
-    def __init__(self, port: str, settings: LineSettings, line: int = 0, connection: Connection | None = None) -> None:
-        """Connect, if necessary, and send the line settings. May raise PortError."""
-        connection = connection or connect(port)
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, port: str, settings: LineSettings, line: int = 0) -> None:
+        """Connect, and send the line settings. May raise PortError."""
+        connection = connect(port)
         self.name = port
         self.adapter = connection.hello.adapter
         self.timing = connection.hello.timing
-        self.notes = connection.hello.notes
         self.settings = settings
         self.line = line
         self._socket = connection.socket

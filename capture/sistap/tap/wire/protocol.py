@@ -1,82 +1,57 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The wire over a socket: characters with time, errors and line settings, from a virtual bus or from a distant tap.
+"""The wire over a socket: characters of a virtual bus with time and errors, and line settings.
 
-The listener connects. The sender is a bus (`sistap bus`) or a tap (`sistap serve`). Network byte order; DEVELOP.md
-what each message means:
+The listener connects. Network byte order; DEVELOP.md says what each message means:
 
-    from the sender   'V' (1)  version (1)  kind (1)  time ns (8)  began ns (8)  place (8)  length (2)  text (length)
-    both ways         'S' (1)  baud (4)  data bits (1)  parity code (1)  stop half bits (1)
-    both ways         'T' (1)  time ns (8)
-    from the sender   'R' (1)  line (1)  count (2)  time ns (8)  uncertainty ns (4)
-                      then count times: value (1)  flags (1)
-    from the sender   'L' (1)  count (8)
-    from the sender   'N' (1)  happening (1)  length (2)  text (length)
+    from the bus   'V' (1)  version (1)  time ns (8)  length (2)  text (length)
+    both ways      'S' (1)  baud (4)  data bits (1)  parity code (1)  stop half bits (1)
+    both ways      'T' (1)  time ns (8)
+    from the bus   'R' (1)  line (1)  count (2)  time ns (8)  uncertainty ns (4)
+                   then count times: value (1)  flags (1)
 """
 
 from __future__ import annotations
 
-import enum
 import struct
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sistap.tap.line.settings import PARITIES, STOP_HALF_BITS, Happening, LineSettings, Notice, Read
+from sistap.tap.line.settings import PARITIES, STOP_HALF_BITS, LineSettings, Read
 
-VERSION = 1
+VERSION = 2
 
 _SETTINGS = struct.Struct(">cIBBB")
 _TIME = struct.Struct(">cQ")
 _READ = struct.Struct(">cBHQI")
-_HELLO = struct.Struct(">cBBQQQH")
-_LOST = struct.Struct(">cQ")
-_NOTICE = struct.Struct(">cBH")
+_HELLO = struct.Struct(">cBQH")
 TIME_END_NS = 4_000_000_000 * 1_000_000_000  # in 2096; 32 bits for the seconds (RTAC) end ten years later
 _TEXT_MAX = 0xFFFF  # bytes
 _SHOWN_MAX = 1000  # characters of a text from the other end
-_NOTES_MAX = 20
-CURE = ": give the address that `sistap bus` or `sistap serve` prints"
-_STRANGER = f"the other end of the socket is not a sistap bus or tap{CURE}"
+CURE = ": give the address that `sistap bus` prints"
+_STRANGER = f"the other end of the socket is not a sistap bus{CURE}"
 _LATE = "the clock of the other end says a year after 2095: set it there"
 _SIZES = {  # of a message, or of its beginning
-    kind: form.size for kind, form in zip("VSTRLN", (_HELLO, _SETTINGS, _TIME, _READ, _LOST, _NOTICE), strict=True)
+    kind: form.size for kind, form in zip("VSTR", (_HELLO, _SETTINGS, _TIME, _READ), strict=True)
 }
-FROM_SENDER, FROM_LISTENER = "VSTRLN", "ST"  # which messages they may say
-
-
-class Kind(enum.IntEnum):
-    """The kind of sender."""
-
-    BUS = 0
-    TAP = 1
+FROM_BUS, FROM_LISTENER = "VSTR", "ST"  # which messages they may say
 
 
 class Hello(NamedTuple):
-    """The first message of a sender."""
+    """The first message of a bus."""
 
-    kind: Kind
-    time_ns: int  # now, by the sender's clock
-    began_ns: int  # when it began: a different time means a different sender
-    place: int  # number of characters it has sent or lost so far
-    name: str
+    time_ns: int  # now, by its clock
     adapter: str
     timing: str
-    notes: tuple[str, ...] = ()
     version: int = VERSION
 
 
-class Lost(NamedTuple):
-    """That many characters are missing here, because they were not taken in time."""
-
-    characters: int
-
-
 class Time(NamedTuple):
-    """Nothing arrives before this time, in ns since 1970. A tap has passed on everything until then."""
+    """Nothing arrives before this time, in ns since 1970."""
 
     time_ns: int
 
 
-Message = Hello | LineSettings | Time | Read | Lost | Notice
+Message = Hello | LineSettings | Time | Read
 
 
 def pack_settings(settings: LineSettings) -> bytes:
@@ -100,20 +75,8 @@ def pack_read(read: Read) -> bytes:
 
 def pack_hello(hello: Hello) -> bytes:
     """Return the first message."""
-    text = _packed("\n".join([hello.name, hello.adapter, hello.timing, *hello.notes]))
-    head = (hello.version, hello.kind, hello.time_ns, hello.began_ns, hello.place, len(text))
-    return _HELLO.pack(b"V", *head) + text
-
-
-def pack_lost(count: int) -> bytes:
-    """Return the message of missing characters."""
-    return _LOST.pack(b"L", count)
-
-
-def pack_notice(notice: Notice) -> bytes:
-    """Return the message of an event."""
-    text = _packed(notice.text)
-    return _NOTICE.pack(b"N", notice.happening, len(text)) + text
+    text = f"{hello.adapter}\n{hello.timing}".encode(errors="backslashreplace")[:_TEXT_MAX]
+    return _HELLO.pack(b"V", hello.version, hello.time_ns, len(text)) + text
 
 
 class Decoder:
@@ -121,7 +84,7 @@ class Decoder:
     message.
     """
 
-    def __init__(self, kinds: str = FROM_SENDER) -> None:
+    def __init__(self, kinds: str = FROM_BUS) -> None:
         """Refuse messages that are not of these `kinds`."""
         self._pending = bytearray()
         self._kinds = kinds
@@ -156,10 +119,6 @@ class Decoder:
         return message
 
 
-def _packed(text: str) -> bytes:
-    return text.encode(errors="backslashreplace")[:_TEXT_MAX]
-
-
 def _text(data: bytes) -> str:
     """Decode a text from the other end, and make it safe for a terminal."""
     decoded = data.decode(errors="replace")[:_SHOWN_MAX]
@@ -167,27 +126,18 @@ def _text(data: bytes) -> str:
 
 
 def _hello(head: bytes, rest: bytes) -> Hello:
-    _, version, kind, time_ns, began_ns, place, _ = _HELLO.unpack(head)
+    _, version, time_ns, _ = _HELLO.unpack(head)
     if version != VERSION:
         raise ValueError(
             f"it speaks version {version} of the wire, and this sistap {VERSION}: use the same at both ends"
         )
-    if kind not in iter(Kind):
-        raise ValueError(_STRANGER)
-    name, adapter, timing, *notes = map(_text, [*rest.split(b"\n", 2 + _NOTES_MAX), b"", b""])
-    return Hello(Kind(kind), time_ns, began_ns, place, name, adapter, timing, tuple(note for note in notes if note))
+    adapter, _, timing = rest.partition(b"\n")
+    return Hello(time_ns, _text(adapter), _text(timing))
 
 
 def _read(head: bytes, pairs: bytes) -> Read:
     _, line, _, time_ns, uncertainty_ns = _READ.unpack(head)
     return Read(line, time_ns, pairs[0::2], pairs[1::2], uncertainty_ns)
-
-
-def _notice(head: bytes, text: bytes) -> Notice:
-    _, happening, _ = _NOTICE.unpack(head)
-    if happening not in iter(Happening):
-        raise ValueError(_STRANGER)
-    return Notice(Happening(happening), _text(text))
 
 
 def _settings(message: bytes, _: bytes) -> LineSettings:
@@ -205,13 +155,10 @@ def _no_length(_: bytearray) -> int:
 _LENGTHS: dict[str, Callable[[bytearray], int]] = {
     "V": lambda pending: int(_HELLO.unpack_from(pending)[-1]),
     "R": lambda pending: 2 * int(_READ.unpack_from(pending)[2]),
-    "N": lambda pending: int(_NOTICE.unpack_from(pending)[-1]),
 }
 _MAKE: dict[str, Callable[[bytes, bytes], Message]] = {
     "V": _hello,
     "S": _settings,
     "T": lambda head, _: Time(_TIME.unpack(head)[1]),
     "R": _read,
-    "L": lambda head, _: Lost(_LOST.unpack(head)[1]),
-    "N": _notice,
 }

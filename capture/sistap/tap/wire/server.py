@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The end of the wire that listens: its address, who may connect, and all connections served at once.
+"""The end of the wire that listens: its address, and all connections served at once.
 
 An address is HOST:PORT, or a PATH for a Unix socket. No connection can block another.
 """
@@ -7,18 +7,14 @@ An address is HOST:PORT, or a PATH for a Unix socket. No connection can block an
 from __future__ import annotations
 
 import contextlib
-import ipaddress
 import selectors
 import socket
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Generic, TypeVar
 
 from sistap.tap.line.clock import monotonic_ns
-
-IP = ipaddress.IPv4Address | ipaddress.IPv6Address
-Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
 class Listening:
@@ -32,24 +28,23 @@ class Listening:
             self.socket = _listen_path(self._path)
             self.name = f"bus://{self._path}"
         else:
-            host, port = host_port(address)
+            host, port = _host_port(address)
             family = socket.AF_INET6 if ":" in host else socket.AF_INET
             self.socket = socket.create_server((host, port), family=family)
             shown = f"[{host}]" if ":" in host else host
             self.name = f"bus://{shown}:{self.socket.getsockname()[1]}"
         self.socket.setblocking(False)
 
-    def accept(self) -> tuple[socket.socket, IP | None] | None:
-        """Accept a connection; return it and its address (a path has none), or None if nobody waits any more."""
+    def accept(self) -> socket.socket | None:
+        """Accept a connection; return None if nobody waits any more."""
         try:
-            connection, address = self.socket.accept()
+            connection, _ = self.socket.accept()
             connection.setblocking(False)
-            if self._path:
-                return connection, None
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            if not self._path:
+                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         except OSError:
             return None
-        return connection, plain_ip(address[0])
+        return connection
 
     def close(self) -> None:
         """Stop listening."""
@@ -58,23 +53,11 @@ class Listening:
             self._path.unlink(missing_ok=True)
 
 
-def host_port(address: str) -> tuple[str, int]:
-    """Parse HOST:PORT. ValueError says what is wrong."""
+def _host_port(address: str) -> tuple[str, int]:
     host, colon, port = address.rpartition(":")
     if not colon or not port.isdecimal() or int(port) > 0xFFFF:
         raise ValueError(f"'{address}' is neither HOST:PORT nor a PATH with a / (for example 127.0.0.1:0 or ./bus)")
     return host.strip("[]") or "127.0.0.1", int(port)
-
-
-def plain_ip(text: str) -> IP:
-    """Parse an address without its scope; convert an IPv4-mapped IPv6 address to IPv4."""
-    ip = ipaddress.ip_address(text.partition("%")[0])
-    return getattr(ip, "ipv4_mapped", None) or ip
-
-
-def may_come(ip: IP | None, allowed: Sequence[Network]) -> bool:
-    """Tell whether an address belongs to this computer or to one of the networks."""
-    return ip is None or ip.is_loopback or any(ip in network for network in allowed)
 
 
 def _listen_path(path: Path) -> socket.socket:
@@ -145,23 +128,14 @@ P = TypeVar("P", bound=Peer)
 class Peers(Generic[P]):
     """All connections."""
 
-    def __init__(
-        self,
-        address: str,
-        welcome: Callable[[socket.socket], P],
-        say: Callable[[str], None],
-        allowed: Sequence[Network] | None = None,
-    ) -> None:
-        """Listen at an address; `welcome` makes a peer of a connection.
-
-        `allowed`: the networks allowed besides this computer; None: everybody. May raise OSError; ValueError for an
-        invalid address.
+    def __init__(self, address: str, welcome: Callable[[socket.socket], P], say: Callable[[str], None]) -> None:
+        """Listen at an address; `welcome` makes a peer of a connection. May raise OSError; ValueError for an invalid
+        address.
         """
         self._listening = Listening(address)
         self.name = self._listening.name
         self._welcome = welcome
         self._say = say
-        self._allowed = allowed
         self._turned_away_ns: int | None = None  # time of the last message about it
         self._leaving = False
         self._peers: dict[socket.socket, P] = {}
@@ -222,13 +196,10 @@ class Peers(Generic[P]):
 
     def _let_in(self) -> None:
         for _ in range(_AT_ONCE):
-            accepted = self._listening.accept()
-            if accepted is None:
+            connection = self._listening.accept()
+            if connection is None:
                 return
-            connection, ip = accepted
-            if self._allowed is not None and not may_come(ip, self._allowed):
-                self._turn_away(connection, f"{ip} may not listen: name its network with --allow")
-            elif len(self._peers) >= MOST:
+            if len(self._peers) >= MOST:
                 self._turn_away(connection, f"{MOST} are connected already")
             else:
                 self._peers[connection] = self._welcome(connection)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What is heard now becomes a capture: at one port of the browser, at the two of a full-duplex line, or at the tap of
-// `sistap web`.
+// What is heard now becomes a capture: at one port of the browser, or at the two of a full-duplex line.
 
 import { keepAs } from "./keeping.js";
 import { Lateness } from "./lateness.js";
@@ -44,30 +43,6 @@ async function measured(options) {
   const lateness = new Lateness();
   await new Promise((resolve) => setTimeout(resolve, MEASURE_MS));
   return lateness;
-}
-
-// Hears the tap that has opened this page: see `sistap web`.
-export async function listenToTap(capture) {
-  const reader = (await fetch("tap")).body.getReader();
-  const { value } = await reader.read();
-  await capture.long("Starting sistap", (options) => callTap("listen", [{ tap: Array.from(value), system: navigator.userAgent }], options));
-  const heard = [];
-  const hear = async () => {
-    for (;;) {
-      const piece = await reader.read();
-      if (piece.done) return;
-      heard.push({ line: 0, data: Array.from(piece.value) });
-    }
-  };
-  const gone = () => heard.push({ line: 0, gone: "the tap has ended: start sistap web again" });
-  hear().then(gone, gone);
-  await show(capture, {
-    next: () => callTap("step", [heard.splice(0)]),
-    async close() {
-      await reader.cancel().catch(() => {});
-      return [];
-    },
-  }, null);
 }
 
 async function show(capture, source, file) {

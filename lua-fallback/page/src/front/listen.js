@@ -2,14 +2,13 @@
 // Asks for one port, or for the two of a full-duplex tap. Nothing is ever written to a port.
 
 import { button, element } from "./dom.js";
-import { listenAtPorts, listenToTap } from "./hearing.js";
+import { listenAtPorts } from "./hearing.js";
 import { ListeningPort } from "./port.js";
 
 const RATES = [9600, 19200, 38400, 57600, 115200];
 const FORMATS = ["8E1", "8N1", "8O1", "7E1"];
 const CHOOSE = ["Choose a port", "Choose a second port, for the other direction of a full-duplex line", "Choose again"]; // with so many ports
 const MOST_PORTS = 2;
-const { tap: tapped } = document.documentElement.dataset; // the port of the `sistap web` that has opened this page
 
 const WARNING = `Opening a port can switch the transmitter of an adapter on for a moment: the browser raises RTS and DTR, then this \
 page lowers them. If that could disturb a machine, open the port before you connect + and -.`;
@@ -17,13 +16,12 @@ page lowers them. If that could disturb a machine, open the port before you conn
 export function listenView(capture, { showing }) {
   return element("section", { className: "page", "aria-labelledby": "listen-title" },
     element("h1", { id: "listen-title" }, "Listen at a serial port"),
-    tapped && element("p", {}, button(`Listen at ${tapped}, with sistap`, () => showing(() => listenToTap(capture)), { className: "large" })),
     ...("serial" in navigator ? [
       element("p", {}, "Connect only +, - and ground of an RS485 adapter, without its 120 ohm resistor. This page never writes to a port."),
       element("p", {}, WARNING),
       portForm(showing, (asked) => listenAtPorts(capture, asked)),
-    ] : tapped ? [] : [element("p", {}, "This browser cannot read serial ports. Chrome, Edge, Opera and Firefox from version 151 on can. ",
-      "On a computer with sistap, type ", element("code", {}, "sistap web -i PORT"), ".")]));
+    ] : [element("p", {}, "This browser cannot read serial ports. Chrome, Edge, Opera and Firefox from version 151 on can. ",
+      "Or capture with ", element("code", {}, "sistap capture"), ", and open the file here.")]));
 }
 
 // A form; `listen` gets what was chosen: {ports, rate, format, file}.

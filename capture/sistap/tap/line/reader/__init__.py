@@ -10,12 +10,11 @@ from __future__ import annotations
 import importlib
 import sys
 
-from sistap.tap.line.reader.contract import Distant, Exact, Measuring, OwnTime, PortError, PortLost, Reader, needs_rate
+from sistap.tap.line.reader.contract import Exact, Measuring, OwnTime, PortError, PortLost, Reader, needs_rate
 from sistap.tap.line.reader.several import Several, Source, together
 from sistap.tap.line.settings import LineSettings
 
 __all__ = [
-    "Distant",
     "Exact",
     "Measuring",
     "OwnTime",
@@ -34,7 +33,7 @@ WINDOWS = "sistap.tap.windows"
 
 
 def open_reader(port: str, settings: LineSettings, line: int = 0) -> Reader:
-    """Open a device, a virtual bus or distant tap ("bus://..."), an analyser ("sigrok:...") or a pyserial URL.
+    """Open a device, a virtual bus ("bus://..."), an analyser ("sigrok:...") or a pyserial URL.
 
     May raise PortError.
     """

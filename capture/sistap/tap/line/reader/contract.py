@@ -54,17 +54,10 @@ class Reader(Protocol):
 
 @runtime_checkable
 class OwnTime(Reader, Protocol):
-    """A reader with times of another clock: that of a virtual bus, or of another computer."""
+    """A reader with times of another clock: that of a virtual bus."""
 
     def now_ns(self) -> int:
         """Return the time there, in ns since 1970."""
-
-
-@runtime_checkable
-class Distant(OwnTime, Protocol):
-    """A tap on another computer."""
-
-    settings_are_told: bool  # by the other computer; nobody changes them here
 
 
 @runtime_checkable

@@ -1,25 +1,36 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Finds the telegrams that two captures have in common, by their contents.
+"""Are the times of an adapter true? Compares its capture with that of a logic analyser, of the same bus and time.
 
-A bus repeats itself. So the first step finds the offset of the two clocks that most telegrams agree on; if several are
-as good, the smallest. From there on, one telegram follows the other in both captures. Where contents or times differ,
-telegrams of one capture are skipped until the next ones match at the same offset. This distinguishes a missing telegram
-from a late one.
+    beside.py ANALYSER.pcapng ADAPTER.pcapng
+
+Telegrams are matched by their contents. A bus repeats itself. So the first step finds the offset of the two clocks that
+most telegrams agree on; if several are as good, the smallest. From there on, one telegram follows the other in both
+captures. Where contents or times differ, telegrams of one capture are skipped until the next ones match at the same
+offset. This distinguishes a missing telegram from a late one.
+
+The quickest character counts as in time, so a delay that all share is not seen. The drift of one clock against the
+other is removed: it is the straight line below all characters and nearest to them (an edge of their convex hull).
 """
 
 from __future__ import annotations
 
+import sys
 from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import takewhile
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
-from sistap.dissected.captures.reading import NotCaptured, packets, record_of
-from sistap.tap.line.settings import Flag
-from sistap.tap.records.record import Record, Type
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from sistap.dissected.captures.reading import NotCaptured, packets, record_of  # noqa: E402 - of the checkout
+from sistap.tap.common.quantiles import quantile  # noqa: E402
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag  # noqa: E402
+from sistap.tap.records.record import Record, Type  # noqa: E402
+
+SHARES = {"p50": 0.5, "p99": 0.99, "p99.9": 0.999, "longest": 1.0}
 
 PROBES = 400  # consecutive telegrams by which the offset is found
 MOST = 2000  # places of one telegram that are examined
@@ -172,3 +183,97 @@ def latest_times(records: Sequence[Record]) -> list[list[int]]:
             behind[record.line] = behind[record.line] + 1 if same_read else 0
         latest[index] = times
     return latest
+
+
+LARGEST_PPM = 500  # more is not drift of two clocks, but chance in a short capture
+
+_Point = tuple[int, int]  # a true time, and how much later the other time is
+
+
+class Late(NamedTuple):
+    """One character."""
+
+    true_ns: int
+    late_ns: float  # its time in the capture
+    latest_ns: float  # latest possible arrival, according to the capture
+    uncertainty_ns: int | None  # of both captures; None: not known
+
+    @property
+    def is_outside(self) -> bool:
+        """Tell whether it came outside the bounds that the capture states."""
+        return self.uncertainty_ns is not None and self.latest_ns > self.uncertainty_ns
+
+
+class Lateness(NamedTuple):
+    """All characters, in their order."""
+
+    characters: Sequence[Late]
+    offset_ns: float  # of the clocks, at the first character
+    drift_ppm: float
+
+
+def measured(pairs: Sequence[Pair]) -> Lateness:
+    """Measure the characters of these telegrams (at least one)."""
+    begin_ns = pairs[0][0].time_ns
+    points = sorted(
+        (true_ns - begin_ns, latest_ns - true_ns)
+        for true, other in pairs
+        for true_ns, latest_ns in zip(true.times_ns, other.latest_ns, strict=True)
+    )
+    (x, y), slope = _below(points)
+    characters = []
+    for true, other in pairs:
+        known = UNCERTAINTY_UNKNOWN not in (true.uncertainty_ns, other.uncertainty_ns)
+        uncertainty_ns = true.uncertainty_ns + other.uncertainty_ns if known else None
+        for true_ns, latest_ns, time_ns in zip(true.times_ns, other.latest_ns, other.times_ns, strict=True):
+            clock_ns = y + slope * (true_ns - begin_ns - x)
+            late_ns, latest_late_ns = time_ns - true_ns - clock_ns, latest_ns - true_ns - clock_ns
+            characters.append(Late(true_ns, late_ns, latest_late_ns, uncertainty_ns))
+    return Lateness(characters, y - slope * x, slope * 1e6)
+
+
+def _below(points: Sequence[_Point]) -> tuple[_Point, float]:
+    """Return a point and the slope of the line below these sorted points that is nearest to all of them."""
+    mean = sum(x for x, _ in points) / len(points)
+    hull: list[_Point] = []
+    for point in points:
+        while len(hull) > 1 and _turns_right(hull[-2], hull[-1], point):
+            hull.pop()
+        hull.append(point)
+    for left, right in zip(hull, hull[1:], strict=False):
+        if left[0] <= mean <= right[0] and left[0] < right[0]:
+            slope = (right[1] - left[1]) / (right[0] - left[0])
+            if abs(slope) * 1e6 <= LARGEST_PPM:
+                return left, slope
+    return min(points, key=lambda point: point[1]), 0.0
+
+
+def _turns_right(first: _Point, second: _Point, third: _Point) -> bool:
+    """Tell whether the second point lies on or above the line between the others."""
+    return (second[0] - first[0]) * (third[1] - first[1]) <= (second[1] - first[1]) * (third[0] - first[0])
+
+
+def lines(true: Path, other: Path) -> Iterator[str]:
+    """Yield the report. OSError, NotCaptured, or ValueError if the captures have nothing in common."""
+    ours, theirs = frames(true), frames(other)
+    pairs = aligned(ours, theirs)
+    if not pairs:
+        raise ValueError(f"{true} and {other} have no telegram in common: are they of the same bus and time?")
+    late = measured(pairs)
+    yield f"{len(pairs)} telegrams in both, of {len(ours)} in {true} and {len(theirs)} in {other}"
+    yield f"the clock of {other.name} is {late.offset_ns / 1e9:+.6f} s off and drifts by {late.drift_ppm:+.1f} ppm"
+    ordered = sorted(one.late_ns for one in late.characters)
+    yield f"{len(ordered)} characters; so late, against the quickest of them, are their times:"
+    yield from (f"  {name:8} {quantile(ordered, share) / 1e6:10.4f} ms" for name, share in SHARES.items())
+    known = [one for one in late.characters if one.uncertainty_ns is not None]
+    outside = sum(one.is_outside for one in known)
+    yield f"outside the uncertainty that the capture says: {outside} of {len(known)}, not known of the others"
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    try:
+        print(*lines(Path(sys.argv[1]), Path(sys.argv[2])), sep="\n")
+    except (OSError, NotCaptured, ValueError) as error:
+        sys.exit(f"beside.py: {error}")

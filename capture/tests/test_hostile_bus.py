@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Distant taps that say what no `sistap serve` says, or say it too fast, too slowly or too often."""
+"""Virtual buses that say what no `sistap bus` says, or too fast, too slowly or too often; too many listeners."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import suppress
-from itertools import pairwise
+from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
 import pytest
@@ -20,9 +19,10 @@ from attacks import ROOT
 from portable import signals
 
 from sistap.tap.line.reader import PortError
-from sistap.tap.line.settings import Flag, Happening, LineSettings, Notice, Read
-from sistap.tap.wire import connection, distant, protocol
-from sistap.tap.wire.protocol import Hello, Kind
+from sistap.tap.line.settings import LineSettings, Read
+from sistap.tap.wire import connection, protocol, server
+from sistap.tap.wire.protocol import Hello
+from sistap.tap.wire.server import Peer, Peers
 
 pytestmark = pytest.mark.tap
 
@@ -31,8 +31,8 @@ START_NS = 1_700_000_000_000_000_000
 LATEST_NS = (1 << 64) - 1
 
 
-def hello(text: str = "port", time_ns: int = START_NS, kind: Kind = Kind.TAP) -> bytes:
-    return protocol.pack_hello(Hello(kind, time_ns, START_NS, 0, text, "adapter", "timing"))
+def hello(text: str = "adapter") -> bytes:
+    return protocol.pack_hello(Hello(START_NS, text, "timing"))
 
 
 SETTINGS = protocol.pack_settings(LineSettings(9600))
@@ -45,10 +45,6 @@ def read(time_ns: int, data: bytes = b"\x02\xf0\x05\x05", line: int = 0) -> byte
     return protocol.pack_read(Read(line, time_ns, data, bytes(len(data)), 0))
 
 
-def notices() -> bytes:
-    return b"".join(protocol.pack_notice(Notice(happening, ODD)) for happening in Happening)
-
-
 TOLD = 60  # times that something is said before the capture is stopped
 MOST_TEXT = 30_000  # bytes on stderr, and in a file, of all that it says without a character
 
@@ -57,22 +53,19 @@ SAID: dict[str, tuple[bytes, bytes]] = {
     "times without an end": (BEGIN, TIMES),
     "characters without an end": (BEGIN, read(START_NS, bytes(range(256)) * 255)),
     "settings without an end": (BEGIN, b"".join(struct.pack(">cIBBB", b"S", rate, 8, 1, 2) for rate in range(500))),
-    "notices without an end": (BEGIN, notices()),
     "introductions without an end": (BEGIN, BEGIN * 100),
-    "losses without an end": (BEGIN, struct.pack(">cQ", b"L", LATEST_NS) * 100),
     "times that jump": (BEGIN, b"".join(read(at) for at in (0, 1, START_NS, 3 * 10**18, 5, START_NS))),
     "times after 2095": (BEGIN, read(LATEST_NS)),
     "256 lines": (BEGIN, b"".join(read(START_NS, line=line) for line in range(256))),
     "impossible rates": (hello() + struct.pack(">cIBBB", b"S", 0, 8, 1, 2), read(START_NS) + SETTINGS),
     "names that control a terminal": (hello(ODD) + SETTINGS, read(START_NS)),
     "garbage": (BEGIN, os.urandom(4096)),
-    "a bus, first": (hello(kind=Kind.BUS), read(START_NS) + protocol.pack_time(START_NS)),
     "a connection that ends at once": (BEGIN, b""),
 }
 
 
 class Hostile:
-    """A tap that never reads."""
+    """A bus that never reads."""
 
     def __init__(self, first: bytes, then: bytes) -> None:
         self._first, self._then = first, then
@@ -105,13 +98,13 @@ class Hostile:
 
 @pytest.fixture(params=SAID)
 def hostile(request: pytest.FixtureRequest) -> Iterator[Hostile]:
-    tap = Hostile(*SAID[request.param])
-    yield tap
-    tap.close()
+    bus = Hostile(*SAID[request.param])
+    yield bus
+    bus.close()
 
 
 ATTACK = pytest.mark.attack(
-    "a distant tap floods, jumps in time, lies or hangs up",
+    "a virtual bus floods, jumps in time, lies or hangs up",
     "the capture can be stopped; no traceback, few messages",
 )
 
@@ -140,107 +133,15 @@ def test_a_capture_of_it_can_be_stopped(hostile: Hostile, tmp_path: Path) -> Non
     assert hostile.connections < 20
 
 
-def test_a_flood_of_messages_is_left_out_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    now_ns = 0
-    monkeypatch.setattr(distant, "monotonic_ns", lambda: now_ns)
-    reader, tap = connected("bus://x")
-
-    def told() -> list[str]:
-        found = []
-        while read := reader.read(0):
-            found += [notice.text for notice in read.notices]
-        return found
-
-    tap.sendall(b"".join(protocol.pack_notice(Notice(Happening.MARKER, str(number))) for number in range(100)))
-    assert told() == [str(number) for number in range(10)]
-    tap.sendall(protocol.pack_lost(3) + read(START_NS))
-    assert told() == []
-    now_ns += 1_000_000_000
-    assert told() == ["the tap says too much: 91 of its messages are left out here"]
-    now_ns += 1_000_000_000
-    tap.sendall(protocol.pack_lost(3))
-    assert told() == ["3 characters missing: they were not taken in time here, or by the network"]
-    now_ns += 10_000_000_000
-    tap.sendall(b"".join(protocol.pack_lost(1) for _ in range(11)))
-    assert len(told()) == 10
-    reader.close()
-
-
-def test_a_loss_that_is_left_out_is_marked() -> None:
-    reader, tap = connected("bus://x")
-    tap.sendall(protocol.pack_lost(1) * 50 + read(START_NS))
-    came = []
-    while found := reader.read(0):
-        came.append(found)
-    assert came[-1].flags[0] & Flag.LOST_BEFORE
-    reader.close()
-
-
-def connected(port: str, first: bytes = BEGIN) -> tuple[distant.DistantReader, socket.socket]:
-    """Return the reader of a tap, and the tap's end."""
-    ours, theirs = socket.socketpair()
-    theirs.sendall(first)
-    return distant.DistantReader(port, 0, connection.greeted(ours, 0)), theirs
-
-
-@pytest.mark.timeout(PATIENCE_S)
-@ATTACK
-def test_answers_never_wait() -> None:
-    """Seven thousand times came in one read, and each was answered with a pause."""
-    reader, tap = connected("bus://x")
-    reader._connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1)  # type: ignore[union-attr]
-    tap.settimeout(PATIENCE_S)
-    sender = threading.Thread(target=tap.sendall, args=(20 * TIMES,), daemon=True)
-    sender.start()
-    while sender.is_alive():
-        reader.read(0.1)
-        reader._reads.clear()
-    tap.settimeout(0)
-    answers = b""
-    with suppress(BlockingIOError):
-        while data := tap.recv(1 << 16):
-            answers += data
-    reader.close()
-    whole = protocol.Decoder("T").feed(answers)  # no answer was torn
-    assert whole
-
-
-def test_searches_pause_longer_and_longer(monkeypatch: pytest.MonkeyPatch) -> None:
-    pauses: list[float] = []
-
-    class Search:
-        def __init__(self, port: str, pause_s: float) -> None:
-            pauses.append(pause_s)
-            self._connection, self._tap = socket.socketpair()
-            self._tap.sendall(BEGIN)
-
-        def found(self, timeout_s: float) -> connection.Connection:
-            self._tap.close()
-            return connection.greeted(self._connection, 0)
-
-    monkeypatch.setattr(distant, "_Search", Search)
-    reader, tap = connected("bus://x")
-    tap.close()
-    for _ in range(60):
-        reader.read(0)
-    assert pauses[:2] == [0, distant.AGAIN_S]
-    assert pauses[-1] == distant.MOST_AGAIN_S
-    assert all(later >= earlier for earlier, later in pairwise(pauses))
-    monkeypatch.setattr(distant, "_STEADY_NS", -1)
-    for _ in range(60):
-        reader.read(0)
-    assert pauses[-1] == 0
-
-
-@pytest.mark.attack("a distant tap that introduces itself letter by letter", "given up after five seconds")
+@pytest.mark.attack("a virtual bus that introduces itself letter by letter", "given up after five seconds")
 def test_a_slow_introduction(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(connection, "TIMEOUT_S", 0.2)
     ended = threading.Event()
 
-    def drip(tap: socket.socket) -> None:
+    def drip(bus: socket.socket) -> None:
         with suppress(OSError):
             for letter in hello(ODD):
-                tap.sendall(bytes([letter]))
+                bus.sendall(bytes([letter]))
                 if ended.wait(0.05):
                     return
 
@@ -255,6 +156,44 @@ def test_a_slow_introduction(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_texts_of_the_other_end_are_short() -> None:
-    (found,) = protocol.Decoder().feed(hello("\n".join([ODD] * 3 + ["note"] * 5000)))
+    (found,) = protocol.Decoder().feed(hello("\n".join([ODD] * 3)))
     assert isinstance(found, Hello)
-    assert len(found.notes) <= 21 and all(len(text) <= 6000 for text in (found.name, found.adapter, *found.notes))
+    assert len(found.adapter) <= 6000 and len(found.timing) <= 6000
+
+
+YEAR_2226_NS = 8_100_000_000_000_000_000
+STRANGER = "the other end of the socket is not a sistap bus"
+
+
+@pytest.mark.attack("the clock of a virtual bus is set to a year that no capture can hold", "one line says so")
+@pytest.mark.parametrize(
+    ("time_ns", "said"),
+    [(4_000_000_000_000_000_000, "clock .* set it there$"), (YEAR_2226_NS, "set it there$"), (2**64 - 1, STRANGER)],
+)
+def test_a_time_that_no_capture_can_hold_is_refused(time_ns: int, said: str) -> None:
+    assert protocol.Decoder().feed(protocol.pack_read(Read(0, 3_999_999_999_999_999_999, b"x", b"\0"))) != []
+    with pytest.raises(ValueError, match=said):
+        protocol.Decoder().feed(protocol.pack_read(Read(0, time_ns, b"x", b"\0")))
+
+
+@pytest.mark.attack("more connections than `sistap bus --listen` allows (32)", "the next one is refused")
+def test_no_more_than_a_limit_are_let_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(server, "MOST", 2)
+    told: list[str] = []
+
+    def welcome(connection: socket.socket) -> Peer:
+        peer = Peer(connection)
+        peer.put(b"welcome")
+        return peer
+
+    with closing(Peers("127.0.0.1:0", welcome, told.append)) as peers, ExitStack() as opened:
+        port = int(peers.name.rpartition(":")[2])
+        some = [opened.enter_context(socket.create_connection(("127.0.0.1", port), 60)) for _ in range(5)]
+        peers.attend(1)
+        peers.attend(1)
+        assert len(list(peers)) == 2
+        assert [connection.recv(4096) != b"" for connection in some] == [True, True, False, False, False]
+        some[0].close()
+        peers.attend(1)
+        assert len(list(peers)) == 1
+    assert told == ["refused a connection: 2 are connected already"]  # once: repeated attempts are no news
