@@ -282,8 +282,8 @@ def _take_list(body: Body, size: int) -> None:
             _take_service(part)
         body.at = part.end
     said = {notes.get(name, False) for name in _STATUS_NOTES}
-    if overall and True not in said:  # an element that says what went wrong is the only item
-        body.decoded.note(_STATUS_NOTES[0], None if None in said else True)
+    if True not in said:  # otherwise an element says what went wrong, and is the only item
+        body.decoded.note(_STATUS_NOTES[0], None if overall and None in said else overall)
     if body.left:
         body.status_open = body.decoded.parameter_open = True
         body.leave()
