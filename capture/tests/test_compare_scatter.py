@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 
 import pytest
 
-from sistap.commands.compare.samples import MOST, Pieces, Samples
+from sistap.commands.compare.samples import MOST, SamplePieces, Samples
 from sistap.commands.compare.scatter import counts_differ, middles_differ, tails_differ
 
 
@@ -40,7 +40,7 @@ def samples(values: Iterable[float]) -> Samples:
 
 
 def test_pieces_are_few_and_lose_nothing() -> None:
-    pieces = Pieces()
+    pieces = SamplePieces()
     for number in range(1000):
         pieces.add([number % 2])
     assert len(pieces.all) <= MOST

@@ -10,7 +10,7 @@ from functools import cache, partial
 from importlib import resources
 from typing import NamedTuple
 
-from sisbus.devices.parameters import Parameter, Procedure, as_list, ident
+from sisbus.devices.parameters import Parameter, ProcedureCommand, as_list, ident
 from sisbus.table import WORD, Misread, Reading, Table, ascii_text, choice, flag, whole
 from sistap.dissected.telegrams.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
 from sistap.tap.sis.names import S_NAMES
@@ -102,8 +102,8 @@ def _parameter(name: str, table: Table) -> Parameter:
     )
 
 
-def _procedure(table: Table) -> Procedure:
-    return Procedure(table.take("takes", whole(0, 3_600_000), 0), table.take("fails", flag, False))
+def _procedure(table: Table) -> ProcedureCommand:
+    return ProcedureCommand(table.take("takes", whole(0, 3_600_000), 0), table.take("fails", flag, False))
 
 
 def _data(table: Table, attribute: Attribute, value: Reading[bytes]) -> bytes:

@@ -168,7 +168,7 @@ def _analysers() -> Iterator[Point]:
     for found in probe.plugged_in():
         trouble = found.missing
         text = f"{found.name} ({found.port})"
-        yield Point("poor", "analyser", f"{text}: {trouble}") if trouble else Point("good", "analyser", text)
+        yield (Point("poor", "analyser", f"{text}: {trouble}") if trouble else Point("good", "analyser", text))
 
 
 def _has_pyserial() -> bool:

@@ -9,14 +9,14 @@ from collections.abc import Sequence
 
 from sistap.tap.analyser import probe
 from sistap.tap.line import ports
-from sistap.tap.line.drivers import Place
+from sistap.tap.line.drivers import ErrorPlace
 from sistap.tap.line.ports import Adapter
 from sistap.tap.terminal.advice import advice
 from sistap.tap.terminal.console import visible
 from sistap.tap.terminal.exits import DONE
 from sistap.tap.terminal.rights import as_typed
 
-_EXACT = Place.CHARACTER.value
+_EXACT = ErrorPlace.CHARACTER.value
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from sistap.commands.annotate.cutting import Part
+from sistap.commands.annotate.cutting import PiecePart
 from sistap.commands.annotate.textlog import LogLine
 from sistap.dissected.explain.fields import EXPLANATION, Said, sentence
 
@@ -23,7 +23,7 @@ class Annotator(Protocol):
     def add(self, line: LogLine, count: int) -> None:
         """Add the next line and the number of bytes that were found in it."""
 
-    def explain(self, parts: list[Part], said: Said) -> None:
+    def explain(self, parts: list[PiecePart], said: Said) -> None:
         """Add the explanation of a telegram or of other characters, whose parts end in a line that was added."""
 
     def release(self, *, everything: bool = False) -> None:
@@ -56,7 +56,7 @@ class Waitings:
         self._queue.append(waiting)
         self._by_line[line.number] = waiting
 
-    def take(self, parts: list[Part]) -> Waiting | None:
+    def take(self, parts: list[PiecePart]) -> Waiting | None:
         """Count newly explained bytes; return the line where they end, None if it is written already."""
         waiting = None
         for piece, first, end in parts:
@@ -65,7 +65,7 @@ class Waitings:
                 waiting.unexplained -= end - first
         return waiting
 
-    def explanation(self, parts: list[Part], said: Said, *, late: bool) -> str:
+    def explanation(self, parts: list[PiecePart], said: Said, *, late: bool) -> str:
         """Explain a telegram, or other characters; `late`: its line is written already. The first one with a fault gets
         a second line, which says what to do.
         """
@@ -116,7 +116,7 @@ class TextAnnotator:
         self._last = line
         self._waitings.add(line, count)
 
-    def explain(self, parts: list[Part], said: Said) -> None:
+    def explain(self, parts: list[PiecePart], said: Said) -> None:
         """Put it below its line; if that is written already, below the newest."""
         waiting = self._waitings.take(parts)
         text = self._waitings.explanation(parts, said, late=waiting is None)
@@ -152,7 +152,7 @@ class TextAnnotator:
         return b"".join([*parts, line.ending])
 
 
-def _note(parts: list[Part], *, late: bool) -> str:
+def _note(parts: list[PiecePart], *, late: bool) -> str:
     """Return a note that names its lines, if the reader cannot see which they are."""
     first, last = parts[0].piece.line.number, parts[-1].piece.line.number
     if first != last:
@@ -160,7 +160,7 @@ def _note(parts: list[Part], *, late: bool) -> str:
     return f"(line {first}) " if late else ""
 
 
-def place(parts: list[Part], text: str) -> tuple[int, str]:
+def place(parts: list[PiecePart], text: str) -> tuple[int, str]:
     """Return the column of its first byte in the line where it ends, and the text."""
     piece, first, _ = parts[-1]
     column = piece.run.start if first == 0 else piece.spans[first][0]

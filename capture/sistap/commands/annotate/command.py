@@ -16,7 +16,7 @@ from sistap.commands.annotate.meanings import Meanings
 from sistap.commands.annotate.page import PageAnnotator
 from sistap.commands.annotate.pattern import PatternReader, TooSlow
 from sistap.commands.annotate.reading import LogReader
-from sistap.commands.annotate.sources import Source, SourceError
+from sistap.commands.annotate.sources import LogSource, SourceError
 from sistap.commands.annotate.spool import Spool
 from sistap.commands.annotate.troubles import Troubles
 from sistap.dissected.episodes.options import add_rule
@@ -173,12 +173,12 @@ def _progress(console: Console, what: str, *, is_shown: bool = True) -> Callable
     return lambda part: console.progress(f"{what}: {part:.0%}" if part < 1 else "")
 
 
-def _batches(args: argparse.Namespace, source: Source, console: Console) -> annotating.Batches:
+def _batches(args: argparse.Namespace, source: LogSource, console: Console) -> annotating.Batches:
     """Read the log once only: it may grow meanwhile."""
     return source.lines(args.framing, _progress(console, "read"))
 
 
-def _capture(args: argparse.Namespace, source: Source, passage: Passage, console: Console) -> str:
+def _capture(args: argparse.Namespace, source: LogSource, passage: Passage, console: Console) -> str:
     """Write the capture; return what to say of it."""
     output = Output(args.capture, force=args.force, sources=_sources(args))
     try:
@@ -189,7 +189,7 @@ def _capture(args: argparse.Namespace, source: Source, passage: Passage, console
         output.close()
 
 
-def _explain(args: argparse.Namespace, source: Source, passage: Passage, console: Console) -> None:
+def _explain(args: argparse.Namespace, source: LogSource, passage: Passage, console: Console) -> None:
     """Write the explanation: of a file after all of it was dissected, of a pipe as it comes.
 
     A page also shows what only a later telegram tells, so it waits for the end of a pipe.
@@ -206,7 +206,7 @@ def _explain(args: argparse.Namespace, source: Source, passage: Passage, console
 
 
 def _explain_whole(
-    args: argparse.Namespace, source: Source, passage: Passage, console: Console, tshark: Tshark
+    args: argparse.Namespace, source: LogSource, passage: Passage, console: Console, tshark: Tshark
 ) -> None:
     with ExitStack() as stack, uncollected():
         file = stack.enter_context(opened(args.output, _sources(args), force=args.force))

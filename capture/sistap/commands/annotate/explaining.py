@@ -12,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol
 
-from sistap.commands.annotate.blocks import Blocks
+from sistap.commands.annotate.blocks import LogBlocks
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.folding import DAMAGE
 from sistap.dissected.episodes.lines import lines
@@ -81,7 +81,7 @@ class LiveCapture:
 
     def __init__(self, tshark: Tshark, log: str) -> None:
         self._fields = Fields(tshark, tuple(advice.FIELDS))
-        self._blocks = Blocks(log)
+        self._blocks = LogBlocks(log)
         self._process = Running(tshark, self._fields.arguments)
         self._first = True
         self._has_telegram = False  # until then, no fault is anybody's

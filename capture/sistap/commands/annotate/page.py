@@ -11,7 +11,7 @@ from itertools import groupby
 import sistap
 from sistap.commands.annotate import meanings
 from sistap.commands.annotate.annotator import Waiting, Waitings, indent, place
-from sistap.commands.annotate.cutting import Part
+from sistap.commands.annotate.cutting import PiecePart
 from sistap.commands.annotate.meanings import Meaning, Meanings
 from sistap.commands.annotate.textlog import LogLine
 from sistap.dissected.draw import html
@@ -67,7 +67,7 @@ class PageAnnotator:
         """Add the next line."""
         self._waitings.add(line, count)
 
-    def explain(self, parts: list[Part], said: Said) -> None:
+    def explain(self, parts: list[PiecePart], said: Said) -> None:
         """Mark the bytes in their lines, and put the explanation below the last."""
         found = iter(self._meanings.get(b"".join(part.data for part in parts)))
         for piece, first, end in parts:

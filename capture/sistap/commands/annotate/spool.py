@@ -12,7 +12,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
-from sistap.commands.annotate.cutting import LogRecord, Part, Pieces
+from sistap.commands.annotate.cutting import LogRecord, PiecePart, Pieces
 from sistap.commands.annotate.notations import Run
 from sistap.commands.annotate.reading import Piece
 from sistap.commands.annotate.stamps import Stamp
@@ -20,12 +20,12 @@ from sistap.commands.annotate.textlog import LogLine
 from sistap.tap.common.temporary import Blobs
 
 
-class Entry(NamedTuple):
+class LogEntry(NamedTuple):
     """A line with its number of bytes, and the places of the telegrams and other characters that it completes."""
 
     line: LogLine | None  # None: after the last line
     size: int
-    complete: list[list[Part]]
+    complete: list[list[PiecePart]]
 
 
 class Spool:
@@ -44,7 +44,7 @@ class Spool:
         """Keep a batch: lines with their pieces, and the records that they complete. Incomplete if there is no room."""
         self._blobs.put(pickle.dumps([_packed(*entry) for entry in entries], pickle.HIGHEST_PROTOCOL))
 
-    def batches(self, progress: Callable[[float], None]) -> Iterator[list[Entry]]:
+    def batches(self, progress: Callable[[float], None]) -> Iterator[list[LogEntry]]:
         """Return the batches in order; call `progress` with the part that has been read, 0 to 1."""
         unpacker = _Unpacker()
         for blob, part in self._blobs.all():
@@ -76,7 +76,7 @@ class _Unpacker:
         self._number = 0
         self._pieces: defaultdict[int, Pieces] = defaultdict(Pieces)  # by direction
 
-    def entry(self, packed: _Packed) -> Entry:
+    def entry(self, packed: _Packed) -> LogEntry:
         packed_line, pieces, cuts = packed
         line = None
         size = 0
@@ -87,4 +87,4 @@ class _Unpacker:
                 size += len(run[-1])
                 piece = Piece(line, Run(*run), direction, Stamp(*stamp) if stamp else None, continues)
                 self._pieces[direction].add(piece)
-        return Entry(line, size, [self._pieces[direction].take(count) for direction, count in cuts])
+        return LogEntry(line, size, [self._pieces[direction].take(count) for direction, count in cuts])

@@ -8,8 +8,8 @@ import json
 from typing import Any
 
 from sistap.commands.compare import findings
-from sistap.commands.compare.differences import Comparison, Count, Parameter, Quantile, Times
-from sistap.commands.compare.findings import Table
+from sistap.commands.compare.differences import ComparedParameter, Comparison, Count, Quantile, Times
+from sistap.commands.compare.findings import CompareTable
 from sistap.commands.compare.happened import Happened
 from sistap.commands.compare.side import Side
 from sistap.dissected.accesses.listing import Listed
@@ -25,7 +25,7 @@ def as_text(comparison: Comparison) -> str:
     return "\n\n".join(["\n".join(head), *map(_table, findings.tables(comparison))]) + "\n"
 
 
-def _table(table: Table) -> str:
+def _table(table: CompareTable) -> str:
     rows = [table.heads, *table.rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
@@ -72,7 +72,7 @@ def _count(count: Count) -> dict[str, Any]:
     return {"what": count.what, "good": count.good, "bad": count.bad, "may_be_chance": count.may_be_chance}
 
 
-def _parameter(parameter: Parameter) -> dict[str, Any]:
+def _parameter(parameter: ComparedParameter) -> dict[str, Any]:
     _, station, device, ident = parameter.listed.parameter
     return {
         "station": station,

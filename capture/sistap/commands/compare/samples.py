@@ -17,7 +17,7 @@ MOST = 96  # pieces; merging neighbours leaves half of them
 _ZERO = -(10**6)  # the bin of 0, which has no logarithm
 
 
-class Piece:
+class SamplePiece:
     """Consecutive values: how many there are, and how often each bin came."""
 
     __slots__ = ("counts", "values")
@@ -26,17 +26,17 @@ class Piece:
         self.values = 0
         self.counts: Counter[int] = Counter()
 
-    def __iadd__(self, other: Piece) -> Piece:
+    def __iadd__(self, other: SamplePiece) -> SamplePiece:
         self.values += other.values
         self.counts.update(other.counts)
         return self
 
 
-class Pieces:
+class SamplePieces:
     """All pieces of a side, of equal length except the last."""
 
     def __init__(self) -> None:
-        self.all: list[Piece] = []
+        self.all: list[SamplePiece] = []
         self.length = 1  # values
 
     def add(self, bins: Sequence[int]) -> None:
@@ -44,16 +44,16 @@ class Pieces:
         if not self.all or self.all[-1].values >= self.length:
             if len(self.all) == MOST:
                 self._halve()
-            self.all.append(Piece())
+            self.all.append(SamplePiece())
         self.all[-1].values += len(bins)
         self.all[-1].counts.update(bins)
 
-    def of_length(self, length: int) -> list[Piece]:
+    def of_length(self, length: int) -> list[SamplePiece]:
         """Merge neighbours until a piece has this many values, a power of 2."""
         together = length // self.length
         made = []
         for first in range(0, len(self.all), together):
-            made.append(Piece())
+            made.append(SamplePiece())
             for piece in self.all[first : first + together]:
                 made[-1] += piece
         return made
@@ -68,7 +68,7 @@ class Samples:
 
     def __init__(self) -> None:
         self.whole = Distribution()
-        self.pieces = Pieces()  # by bin; bins are in the order of their values
+        self.pieces = SamplePieces()  # by bin; bins are in the order of their values
 
     def add(self, values: Sequence[float]) -> None:
         """Add values that came together."""

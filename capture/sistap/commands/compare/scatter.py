@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 from statistics import fmean, variance
 
-from sistap.commands.compare.samples import Piece, Samples
+from sistap.commands.compare.samples import SamplePiece, Samples
 
 TAIL = 0.99  # the share of all values that are not in the tail
 FAR = 3.5  # standard deviations of a difference
@@ -40,7 +40,7 @@ def tails_differ(good: Samples, bad: Samples) -> bool:
     return _differ(*([_share_above(limit, piece) for piece in side] for side in sides))
 
 
-def _pieces(side: Samples) -> Sequence[Piece]:
+def _pieces(side: Samples) -> Sequence[SamplePiece]:
     pieces, length = side.pieces, side.pieces.length
     while len(pieces.all) * pieces.length >= 2 * length * _ENOUGH:
         length *= 2
@@ -57,7 +57,7 @@ def _within(counts: Counter[int], share: float) -> int:
     return place
 
 
-def _share_above(limit: int, piece: Piece) -> float:
+def _share_above(limit: int, piece: SamplePiece) -> float:
     return sum(count for place, count in piece.counts.items() if place > limit) / piece.values
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from sistap.commands.parameters import against, user_table, wide, writing
 from sistap.commands.parameters.backup import LATIN_1, Damaged, Drive, drives, is_station
-from sistap.commands.parameters.reading import Found, found
+from sistap.commands.parameters.reading import FoundAccess, found
 from sistap.dissected.accesses.listing import MOST, Listing
 from sistap.dissected.captures.joining import check_captures
 from sistap.dissected.wireshark.rows import NotACapture
@@ -146,7 +146,7 @@ def _check(args: argparse.Namespace, console: Console) -> None:
     args.captures = check_captures(args.captures, console.say, args.output)
 
 
-def _lines(args: argparse.Namespace, accesses: Iterable[Found], console: Console) -> Iterator[str]:
+def _lines(args: argparse.Namespace, accesses: Iterable[FoundAccess], console: Console) -> Iterator[str]:
     listing = Listing()
     several_files = len(args.captures) > 1
     if args.changes and args.csv:

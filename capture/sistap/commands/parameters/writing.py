@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from sistap.dissected.accesses.access import Parameter
-from sistap.dissected.accesses.listing import Change, Listed
+from sistap.dissected.accesses.listing import ChangedValue, Listed
 from sistap.tap.common.calendar import local
 
 _UNKNOWN = "unknown"
@@ -88,7 +88,7 @@ def list_as_csv(listing: Iterable[Listed]) -> Iterator[str]:
         )
 
 
-def change_as_text(change: Change, *, several_files: bool) -> str:
+def change_as_text(change: ChangedValue, *, several_files: bool) -> str:
     """Return a change as a line: when, who, what, from, to, packet."""
     place, access = change.place, change.access
     name = f" ({access.name})" if access.name else ""
@@ -104,7 +104,7 @@ def _station(parameter: Parameter) -> str:
     return f"{parameter.station} device {parameter.device}"
 
 
-def change_as_csv(change: Change) -> str:
+def change_as_csv(change: ChangedValue) -> str:
     """Return a change as a line of CSV; unknown values are empty."""
     place, access = change.place, change.access
     values = (access.name, access.unit, change.before, access.value, place.packet, place.file)

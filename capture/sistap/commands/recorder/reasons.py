@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from sistap.dissected.episodes.machine import WRITTEN
-from sistap.dissected.explain.relay import Judged
+from sistap.dissected.explain.relay import JudgedEntry
 from sistap.dissected.wireshark import rows
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files import pcapng
@@ -60,7 +60,7 @@ class ByFilter:
         """Split what tshark prints."""
         return rows.columns(_MARK, line)
 
-    def reason(self, judged: Judged) -> Reason | None:
+    def reason(self, judged: JudgedEntry) -> Reason | None:
         """Return why a packet is kept; None: it is not."""
         return Reason(self._word) if judged.columns else None
 

@@ -61,7 +61,7 @@ def _to_standard_output(data: bytes) -> int:
     return os.write(1, data)
 
 
-class Values:
+class ValueLines:
     """Values on their way out, from `start` to `close`, in a thread of their own."""
 
     def __init__(self, write: Callable[[bytes], int] = _to_standard_output) -> None:

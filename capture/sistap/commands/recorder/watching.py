@@ -6,12 +6,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sistap.commands.recorder.reasons import FAULTS, NOTHING, ByFilter, Reason
-from sistap.commands.recorder.values import Values
+from sistap.commands.recorder.values import ValueLines
 from sistap.dissected.episodes.episode import Hit, severity_of
-from sistap.dissected.episodes.live import FIELD, Live
+from sistap.dissected.episodes.live import FIELD, LiveEpisodes
 from sistap.dissected.episodes.rules import Thresholds
 from sistap.dissected.explain.fields import Fields
-from sistap.dissected.explain.relay import Judged
+from sistap.dissected.explain.relay import JudgedEntry
 from sistap.dissected.packets.dissection import FIELDS, packet_of
 from sistap.dissected.wireshark.tshark import Tshark
 
@@ -21,10 +21,10 @@ class ByEpisodes:
 
     finds = False  # tshark prints every packet
 
-    def __init__(self, tshark: Tshark, thresholds: Thresholds, values: Values | None, *, keeps: bool) -> None:
+    def __init__(self, tshark: Tshark, thresholds: Thresholds, values: ValueLines | None, *, keeps: bool) -> None:
         """Ask tshark for its fields. TsharkError if it has no dissector for SIS."""
         self._fields = Fields(tshark, (*FIELDS, FIELD))
-        self._live = Live(thresholds) if keeps else None
+        self._live = LiveEpisodes(thresholds) if keeps else None
         self._values = values
 
     def arguments(self, _: bytes | None) -> Sequence[str]:
@@ -35,7 +35,7 @@ class ByEpisodes:
         """Split what tshark prints."""
         return self._fields.columns(line)
 
-    def reason(self, judged: Judged) -> Reason | None:
+    def reason(self, judged: JudgedEntry) -> Reason | None:
         """Return why a packet is kept; None: it is not."""
         if judged.is_unjudged and self._live:
             self._live.skip()
@@ -54,7 +54,9 @@ class ByEpisodes:
 Judge = ByEpisodes | ByFilter
 
 
-def judges(tshark: Tshark, keep: Sequence[str], thresholds: Thresholds, values: Values | None = None) -> list[Judge]:
+def judges(
+    tshark: Tshark, keep: Sequence[str], thresholds: Thresholds, values: ValueLines | None = None
+) -> list[Judge]:
     """Return who decides: one for each value of --keep; and who gives `values` all values. UsageError; TsharkError
     without a dissector for SIS.
     """

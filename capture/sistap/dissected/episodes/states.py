@@ -18,10 +18,10 @@ from sistap.tap.records.record import CLOCK_MOVED, Event
 _MOVED = re.compile(CLOCK_MOVED.replace("{:+.3f}", r"([-+][\d.]+)") + r"|system time jumped by ([-+][\d.]+) s")
 
 
-class Phases:
+class PhaseChanges:
     """The communication phase of each station."""
 
-    def __init__(self, thresholds: Thresholds = THRESHOLDS, before: Phases | None = None) -> None:
+    def __init__(self, thresholds: Thresholds = THRESHOLDS, before: PhaseChanges | None = None) -> None:
         """Begin with those of a good capture, or with none known."""
         self._thresholds = thresholds
         self._phases: dict[int, str] = dict(before._phases) if before else {}
@@ -49,10 +49,10 @@ class Phases:
             yield hit_of("phase", packet, station, f"{before or 'unknown'}{ARROW}{phase}")
 
 
-class Rate:
+class RateChanges:
     """The rate of the line."""
 
-    def __init__(self, before: Rate | None = None) -> None:
+    def __init__(self, before: RateChanges | None = None) -> None:
         """Begin with that of a good capture, or with none known."""
         self._baud: int = before._baud if before else 0
 
@@ -66,10 +66,10 @@ class Rate:
         return (hit_of("rate", packet, None, f"{before}{ARROW}{self._baud} Bd"),)
 
 
-class Limits:
+class LimitChanges:
     """TzA and TrS of each station."""
 
-    def __init__(self, before: Limits | None = None) -> None:
+    def __init__(self, before: LimitChanges | None = None) -> None:
         """Begin with those of a good capture, or with none known."""
         self._limits: dict[tuple[str, int], float] = dict(before._limits) if before else {}
 
@@ -94,7 +94,7 @@ def _changed(packet: Packet, station: int, name: str, before_s: float | None, li
         yield hit_of("limits", packet, station, change)._replace(topic=change)
 
 
-class Tap:
+class TapTroubles:
     """What happened to the tap: its clock, its adapter, the capture."""
 
     def __init__(self, thresholds: Thresholds = THRESHOLDS) -> None:

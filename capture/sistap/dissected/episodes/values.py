@@ -17,7 +17,7 @@ from sistap.dissected.episodes.diagnoses import STILL
 from sistap.dissected.episodes.episode import ARROW, Hit
 from sistap.dissected.episodes.levels import Levels
 from sistap.dissected.episodes.masters import station_of
-from sistap.dissected.episodes.readings import RAW, Reading, raw_number
+from sistap.dissected.episodes.readings import RAW, ValueReading, raw_number
 from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.dissected.episodes.standard import FOLLOWS, FORMS
 from sistap.dissected.episodes.trend import Trend
@@ -128,7 +128,7 @@ class Values:
                 self._lose_command(packet.interface, telegram)
         return ()
 
-    def take(self, packet: Packet, access: Access, said: Reading, *, is_running: bool | None) -> bool:
+    def take(self, packet: Packet, access: Access, said: ValueReading, *, is_running: bool | None) -> bool:
         """Take a reading; tell whether a state begins with it, or a level lasts."""
         parameter = access.parameter
         followed = self._of(parameter)
@@ -159,7 +159,7 @@ class Values:
         lasts = levels.add(packet.epoch_s, said.number - (followed.command or 0.0), packet.number)
         return is_new or lasts
 
-    def judge(self, packet: Packet, access: Access, said: Reading, *, is_running: bool | None) -> Iterable[Hit]:
+    def judge(self, packet: Packet, access: Access, said: ValueReading, *, is_running: bool | None) -> Iterable[Hit]:
         """Return what is surely wrong with a number: beyond the limits that the drive told, or far from its command."""
         if access.is_write:
             return ()
@@ -185,7 +185,7 @@ class Values:
     def _begin(self) -> _Followed:
         return _Followed(Levels(self._thresholds), Levels(self._thresholds))
 
-    def _command(self, access: Access, said: Reading) -> None:
+    def _command(self, access: Access, said: ValueReading) -> None:
         """Note a command for what follows it. What came before the first command was another quantity."""
         followed = self._of(access.parameter._replace(ident=_COMMANDS[access.parameter.ident]))
         if followed is None:
