@@ -19,8 +19,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_capture import ACCEPT, SET_TRS, SET_TZA
 
+from sistap.commands.recorder.reasons import judges
 from sistap.commands.recorder.values import Value, ValueLines, line
-from sistap.commands.recorder.watching import judges
 from sistap.dissected.accesses.access import Access
 from sistap.dissected.episodes.live import LIVE
 from sistap.dissected.explain.relay import Entry, JudgedEntry

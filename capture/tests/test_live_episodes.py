@@ -12,8 +12,8 @@ import pytest
 
 from sistap.commands.recorder import recorder as recorder_module
 from sistap.commands.recorder.keeper import Around
+from sistap.commands.recorder.reasons import judges
 from sistap.commands.recorder.recorder import Recorder, Wanted
-from sistap.commands.recorder.watching import judges
 from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.captures import reading
 from sistap.dissected.episodes.episode import Hit, severity_of

@@ -24,9 +24,8 @@ from sistap.commands.recorder import notifier, retention
 from sistap.commands.recorder import recorder as recorder_module
 from sistap.commands.recorder.keeper import Around
 from sistap.commands.recorder.notifier import Notifier
-from sistap.commands.recorder.reasons import word
+from sistap.commands.recorder.reasons import Judge, judges, word
 from sistap.commands.recorder.recorder import Recorder, Wanted
-from sistap.commands.recorder.watching import Judge, judges
 from sistap.dissected.captures import reading
 from sistap.dissected.episodes.live import LIVE
 from sistap.dissected.explain.relay import Entry, JudgedEntry, Seams

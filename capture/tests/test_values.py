@@ -20,9 +20,9 @@ from portable import posix
 from sistap import cli
 from sistap.commands.recorder import values as values_module
 from sistap.commands.recorder.keeper import Around
+from sistap.commands.recorder.reasons import judges
 from sistap.commands.recorder.recorder import Recorder, Wanted
 from sistap.commands.recorder.values import Value, ValueLines, line
-from sistap.commands.recorder.watching import judges
 from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.captures import reading
 from sistap.dissected.episodes.live import LIVE

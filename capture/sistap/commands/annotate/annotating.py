@@ -9,7 +9,7 @@ from typing import NamedTuple
 from sistap.commands.annotate.annotator import Annotator
 from sistap.commands.annotate.blocks import LogBlocks
 from sistap.commands.annotate.cutting import LogRecord, RecordCutter
-from sistap.commands.annotate.explaining import Explainer, WholeCapture
+from sistap.commands.annotate.explaining import LiveCapture, WholeCapture
 from sistap.commands.annotate.reading import LogReader, Piece
 from sistap.commands.annotate.spool import LogEntry, Spool
 from sistap.commands.annotate.textlog import LogLine
@@ -96,9 +96,9 @@ def record(
     for batch in batches:
         entries = []
         for line in batch:
-            pieces, cuts = passage.feed(line)
-            entries.append((line, pieces, cuts))
-            for cut in cuts:
+            found = passage.feed(line)
+            entries.append(LogEntry(line, found.size, [cut.parts for cut in found.cuts]))
+            for cut in found.cuts:
                 write(blocks.packet(cut.record))
         if spool and entries:
             spool.put(entries)
@@ -106,7 +106,7 @@ def record(
     for cut in rest:
         write(blocks.packet(cut.record))
     if spool:
-        spool.put([(None, [], rest)])
+        spool.put([LogEntry(None, 0, [cut.parts for cut in rest])])
 
 
 def annotate_recorded(
@@ -126,7 +126,7 @@ def annotate_recorded(
 
 
 def annotate_live(
-    batches: Batches, passage: Passage, explainer: Explainer, annotator: Annotator, flush: Callable[[], object]
+    batches: Batches, passage: Passage, explainer: LiveCapture, annotator: Annotator, flush: Callable[[], object]
 ) -> None:
     """Write a log with its explanations live. May raise TsharkError."""
     for batch in batches:
@@ -143,7 +143,7 @@ def annotate_live(
     flush()
 
 
-def _explain(cuts: list[LogRecord], explainer: Explainer, annotator: Annotator) -> None:
+def _explain(cuts: list[LogRecord], explainer: LiveCapture, annotator: Annotator) -> None:
     """Send all records of a batch before waiting for the first answer."""
     for cut in cuts:
         explainer.put(cut.record)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import queue
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol
 
 from sistap.commands.annotate.blocks import LogBlocks
 from sistap.dissected.episodes.engine import Engine
@@ -26,16 +25,6 @@ from sistap.tap.records.record import Record
 
 _FOREIGN = "It may be another protocol: USIP, USS and others begin with 02, too. Or it was logged at another rate."
 _ANSWER_S = 30  # longest time that a running tshark takes for an answer
-
-
-class Explainer(Protocol):
-    """Explains records that it receives, in their order."""
-
-    def put(self, record: Record) -> None:
-        """Take the next record."""
-
-    def get(self) -> Said:
-        """Return the explanation of the next record. May raise TsharkError."""
 
 
 class WholeCapture:

@@ -7,7 +7,7 @@ import argparse
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from sistap.commands.parameters import against, user_table, wide, writing
+from sistap.commands.parameters import against, wide, writing
 from sistap.commands.parameters.backup import LATIN_1, Damaged, Drive, drives, is_station
 from sistap.commands.parameters.reading import FoundAccess, found
 from sistap.dissected.accesses.listing import MOST, Listing
@@ -96,7 +96,7 @@ def _write_table(args: argparse.Namespace, console: Console) -> None:
     unreadable: list[str] = []
     saved = _stations(args, drives(args.backup, unreadable.append), console)
     with opened(args.output, [args.backup], force=args.force) as file:
-        file.writelines(f"{line}\n".encode() for station, drive in saved for line in user_table.lines(drive, station))
+        file.writelines(f"{line}\n".encode() for station, drive in saved for line in writing.user_table(drive, station))
     if unreadable:
         more = f", and so are {len(unreadable) - 1} more values" if len(unreadable) > 1 else ""
         console.say(f"{unreadable[0]}{more}; the table is complete, because it needs no values")

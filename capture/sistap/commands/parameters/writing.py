@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The list of parameters, and changes, as lines of text for people and of CSV for programs."""
+"""The list of parameters, and changes, as lines of text for people and of CSV for programs; and Wireshark's table."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ import io
 import re
 from collections.abc import Iterable, Iterator, Sequence
 
+from sistap.commands.parameters.backup import Drive, Saved
 from sistap.dissected.accesses.access import Parameter
 from sistap.dissected.accesses.listing import ChangedValue, Listed
+from sistap.dissected.telegrams.values import shown_limit
 from sistap.tap.common.calendar import local
+from sistap.tap.sis.telegram import shown
 
 _UNKNOWN = "unknown"
 _LIST_HEADS = (
@@ -133,3 +136,26 @@ def time_text(epoch_s: float, between: str = "T") -> str:
     """Return local time with its zone; empty for 0, the time of a log without times."""
     then = local(epoch_s) if epoch_s else None
     return then.isoformat(between, timespec="microseconds") if then else ""
+
+
+_PLAIN_BYTES = frozenset(range(0x20, 0x7F)) - frozenset(b'"\\')
+
+
+def user_table(drive: Drive, station: str) -> Iterator[str]:
+    """Yield the rows of a drive in Wireshark's table "SIS parameters", its file `sis_parameters`, which the plugin and
+    sis.lua read. An empty station is every station.
+    """
+    for saved in drive.parameters:
+        yield ",".join(map(_user_cell, _user_row(saved, station)))
+
+
+def _user_row(saved: Saved, station: str) -> tuple[str, ...]:
+    kind, set_, number = saved.ident.split("-")
+    limits = (shown_limit(saved.attribute, limit, saved.unit) for limit in (saved.minimum, saved.maximum))
+    attribute = f"0x{saved.attribute.bits:08x}"
+    return (kind, number if set_ == "0" else f"{set_}-{number}", saved.name, saved.unit, attribute, *limits, station)
+
+
+def _user_cell(text: str) -> str:
+    """Quote a text as Wireshark reads it."""
+    return '"' + "".join(chr(byte) if byte in _PLAIN_BYTES else f"\\x{byte:02x}" for byte in shown(text).encode()) + '"'

@@ -12,10 +12,9 @@ from pathlib import Path
 
 from sistap.commands.recorder import retention
 from sistap.commands.recorder.keeper import Around
-from sistap.commands.recorder.reasons import FAULTS, FILTERS, NOTHING
+from sistap.commands.recorder.reasons import FAULTS, FILTERS, NOTHING, judges
 from sistap.commands.recorder.recorder import Recorder, Wanted
 from sistap.commands.recorder.values import ValueLines
-from sistap.commands.recorder.watching import judges
 from sistap.dissected.episodes.live import LIVE
 from sistap.dissected.episodes.options import add_rule
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError

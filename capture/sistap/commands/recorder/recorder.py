@@ -17,10 +17,8 @@ from pathlib import Path
 from sistap.commands.recorder import retention
 from sistap.commands.recorder.keeper import Around, Beginning, Keeper, KeptFile
 from sistap.commands.recorder.notifier import Notifier
-from sistap.commands.recorder.packing import pack
-from sistap.commands.recorder.reasons import Reason
-from sistap.commands.recorder.unlimited import Unlimited
-from sistap.commands.recorder.watching import Judge
+from sistap.commands.recorder.reasons import Judge, Reason
+from sistap.commands.recorder.retention import pack
 from sistap.dissected.explain.relay import Entry, JudgedEntry, Relay, Seams
 from sistap.dissected.explain.running import Running
 from sistap.dissected.wireshark.tshark import Tshark
@@ -28,15 +26,23 @@ from sistap.tap.files.output import Output, OutputError, OutputRefused
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.files.writer import Blocks, PcapngWriter
 from sistap.tap.line import priority
-from sistap.tap.records.before import heard
+from sistap.tap.records.before import Heard, heard
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import KEPT, Event, Record
+from sistap.tap.sis import telegram
+from sistap.tap.sis.initialization import INITIALIZATION, SET_LIMITS, certain
+from sistap.tap.sis.limits import NAMES
 
 PATIENCE_S = 30.0  # at the end, for tshark
 MOST_WAITING = 200_000  # records; above this, the disk does not answer
 _TURN_S = 0.05  # pause of the thread, in which records gather
 _TURN = 20  # records at a time; then a reader can have its turn
 _TIDY_S = 60.0  # interval between looks at the files of the full ring
+_ENOUGH = 100  # telegrams; a master that starts the bus sets its limits earlier
+_NO_LIMIT = (
+    "No limit is known: late reactions and slow characters are not kept. The master set the limits before. "
+    "If you know them, give --tza MS --trs MS"
+)
 
 
 @dataclass(frozen=True)
@@ -332,3 +338,34 @@ class _RecorderFile:
             with suppress(OSError):
                 self._path = self._path.rename(retention.new_name(self._path.parent, self._time_ns, *reasons))
         self._recorder.complete(self._path)
+
+
+class Unlimited:
+    """Looks for a limit in the first telegrams of a capture, and says once that there is none: without it, nothing is
+    late, and no file of it is kept.
+    """
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        """`say` gets the advice."""
+        self._say = say
+        self._left = _ENOUGH  # telegrams to look at; 0: nothing more to say
+
+    def take(self, heard: Heard) -> None:
+        """Take what a record says of its bus."""
+        if not self._left:
+            return
+        if heard.limits or (heard.telegram and _sets_limit(heard.telegram)):
+            self._left = 0
+        elif heard.telegram:
+            self._left -= 1
+            if not self._left:
+                self._say(_NO_LIMIT)
+
+
+def _sets_limit(data: bytes) -> bool:
+    header = telegram.parse(data)
+    return (
+        header.service == INITIALIZATION
+        and not header.reaction
+        and any(SET_LIMITS.get(setting.subservice) in NAMES.values() for setting in certain(header.body))
+    )

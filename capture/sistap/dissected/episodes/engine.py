@@ -10,10 +10,8 @@ from dataclasses import replace
 from typing import Protocol
 
 from sistap.dissected.episodes import diagnoses, machine
-from sistap.dissected.episodes.baseline import unlike
 from sistap.dissected.episodes.book import Book
 from sistap.dissected.episodes.boots import STEPS, Boots
-from sistap.dissected.episodes.devices import Devices
 from sistap.dissected.episodes.diagnoses import STILL, Diagnoses
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.faults import Faults, Refusals, UnreadableLine
@@ -25,8 +23,8 @@ from sistap.dissected.episodes.readings import reading
 from sistap.dissected.episodes.rules import THRESHOLDS, Thresholds
 from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.standard import FOLLOWS
-from sistap.dissected.episodes.states import LimitChanges, PhaseChanges, RateChanges, TapTroubles
-from sistap.dissected.episodes.values import Values
+from sistap.dissected.episodes.states import Devices, LimitChanges, PhaseChanges, RateChanges, TapTroubles
+from sistap.dissected.episodes.values import Values, unlike
 from sistap.dissected.episodes.writes import Writes
 from sistap.dissected.packets.dissection import Packet, Telegram
 from sistap.dissected.wireshark.rows import FRAME
