@@ -59,8 +59,6 @@ class Content(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("capture", type=Path, metavar="CAPTURE", help="a capture that sistap wrote")
     place.add_arguments(parser)
 

@@ -97,13 +97,11 @@ def _parameter(name: str, table: Table) -> Parameter:
         table.take("maximum", value, None),
         valid=table.take("valid", flag, True),
         fixed_length=table.take("fixed", flag, False),
-        procedure=_procedure(table) if attribute.is_command else None,
+        procedure=ProcedureCommand(table.take("takes", whole(0, 3_600_000), 0), table.take("fails", flag, False))
+        if attribute.is_command
+        else None,
         refuse=table.take("refuse", WORD, None),
     )
-
-
-def _procedure(table: Table) -> ProcedureCommand:
-    return ProcedureCommand(table.take("takes", whole(0, 3_600_000), 0), table.take("fails", flag, False))
 
 
 def _data(table: Table, attribute: Attribute, value: Reading[bytes]) -> bytes:

@@ -73,8 +73,6 @@ class Point(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument(
         "-i", dest="port", metavar="PORT", type=ports.short, help="check this port as well (written as for capture)"
     )

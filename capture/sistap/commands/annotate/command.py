@@ -77,8 +77,6 @@ def _reader(pattern: str) -> Callable[[], LogReader]:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("log", metavar="LOG", help="a text file, a raw log as PuTTY saves it, or - for standard input")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--format", choices=("text", "html"), default="text", help="what to write (default: text)")
@@ -139,10 +137,6 @@ def _check(args: argparse.Namespace) -> None:
             raise UsageError(f"{path} is the log itself; name another file with {option}")
 
 
-def _is_same(path: str, log: str) -> bool:
-    return log != "-" and Path(path).exists() and Path(log).exists() and Path(path).samefile(log)
-
-
 def _judge(args: argparse.Namespace, passage: Passage, troubles: Troubles, console: Console) -> int:
     """Report it if there was nothing to explain."""
     log = _name(args)
@@ -157,6 +151,10 @@ def _judge(args: argparse.Namespace, passage: Passage, troubles: Troubles, conso
         wanted = "telegram of SIS" if args.framing == SIS else "frame"
         console.say(f"{log} has {passage.bytes} byte{'' if passage.bytes == 1 else 's'}, but no {wanted}")
     return DONE
+
+
+def _is_same(path: str, log: str) -> bool:
+    return log != "-" and Path(path).exists() and Path(log).exists() and Path(path).samefile(log)
 
 
 def _name(args: argparse.Namespace) -> str:

@@ -8,7 +8,7 @@ import json
 from typing import Any
 
 from sistap.commands.compare import findings
-from sistap.commands.compare.differences import ComparedParameter, Comparison, Count, Quantile, Times
+from sistap.commands.compare.differences import ComparedParameter, Comparison, Count, Times
 from sistap.commands.compare.findings import CompareTable
 from sistap.commands.compare.happened import Happened
 from sistap.commands.compare.side import Side
@@ -34,11 +34,7 @@ def _table(table: CompareTable) -> str:
 
 def as_json(comparison: Comparison) -> str:
     """Return all differences as JSON; times are in s, as their names state."""
-    return json.dumps(_comparison(comparison), indent=2, allow_nan=False) + "\n"
-
-
-def _comparison(comparison: Comparison) -> dict[str, Any]:
-    return {
+    made = {
         "good": _side(comparison.good),
         "bad": _side(comparison.bad),
         "lines": {line.subject: line.found for line in findings.lines(comparison)},
@@ -50,6 +46,7 @@ def _comparison(comparison: Comparison) -> dict[str, Any]:
         "times": list(map(_times, comparison.times)),
         "settings": [setting._asdict() | {"differs": setting.differs} for setting in comparison.settings],
     }
+    return json.dumps(made, indent=2, allow_nan=False) + "\n"
 
 
 def _side(side: Side) -> dict[str, Any]:
@@ -102,15 +99,11 @@ def _times(times: Times) -> dict[str, Any]:
         "what": times.what,
         "good": _distribution(times.good),
         "bad": _distribution(times.bad),
-        "half_within": _quantile(times.middle),
-        "99_percent_within": _quantile(times.tail),
+        "half_within": times.middle._asdict(),
+        "99_percent_within": times.tail._asdict(),
         "uncertainty_s": times.uncertainty_s,
         "differs": times.differing is not None,
     }
-
-
-def _quantile(quantile: Quantile) -> dict[str, Any]:
-    return quantile._asdict()
 
 
 def _distribution(times: Distribution) -> dict[str, Any]:

@@ -71,8 +71,6 @@ def _whole(text: str) -> int:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add("file", metavar="FILE", type=Path, help="the recording of another tool")
     add("-w", dest="output", metavar="OUT", required=True, help="write a pcapng file; - is standard output")

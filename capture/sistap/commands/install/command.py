@@ -80,8 +80,6 @@ class InstalledFile(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--plugin", metavar="FILE", type=_existing_file, help="install this plugin, sis.so, if it fits")
     which.add_argument("--lua", action="store_true", help="install sis.lua, even if a plugin fits")
@@ -139,11 +137,13 @@ def _install(args: argparse.Namespace, console: Console) -> int:
     if foreign:
         _tell(f"kept     {foreign}: Wireshark loads it, and `sistap install` did not put it there")
     else:
-        files.append(_dissector(chosen, places, _working(there), console, replace=args.lua))
+        working = next((Path(found.file) for found in there if not found.file.endswith(".lua")), None)
+        files.append(_dissector(chosen, places, working, console, replace=args.lua))
     where = shell.places(for_all=for_all, windows=WINDOWS)
     files += _for_a_shell(args, where, ledger)
     _bring_up_to_date(ledger, files, _own(named, for_all=for_all))
-    if where.command in ledger.files and not shell.is_on_path(where):
+    on_path = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
+    if where.command in ledger.files and where.command.parent not in on_path:
         console.say(f"{where.command.parent} is not in PATH: {advice().path.format(folder=where.command.parent)}")
     if for_all:
         _warn_of_others_rights(console)
@@ -185,11 +185,6 @@ def _foreign(there: list[Loaded], ledger: Ledger) -> str:
     """Return the dissector that Wireshark loads and that install did not put there."""
     ours = [file.resolve() for file in ledger.files]
     return next((found.file for found in there if Path(found.file).resolve() not in ours), "")
-
-
-def _working(there: list[Loaded]) -> Path | None:
-    """Return the plugin that Wireshark loads."""
-    return next((Path(found.file) for found in there if not found.file.endswith(".lua")), None)
 
 
 def _dissector(

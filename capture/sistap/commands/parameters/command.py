@@ -59,8 +59,6 @@ exit status:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("captures", metavar="CAPTURE", type=Path, nargs="*", help="a capture that contains SIS")
     parser.add_argument("--from", dest="backup", metavar="PAR", type=Path, help="make Wireshark's table from a backup")
     parser.add_argument("--against", metavar="PAR", type=Path, help="list what differs from a backup, instead")
@@ -150,7 +148,7 @@ def _lines(args: argparse.Namespace, accesses: Iterable[FoundAccess], console: C
     listing = Listing()
     several_files = len(args.captures) > 1
     if args.changes and args.csv:
-        yield writing.csv_head_of_changes()
+        yield writing.csv_line(writing.CSV_CHANGES)
     for place, access in accesses:
         change = listing.add(place, access)
         if change and args.changes:

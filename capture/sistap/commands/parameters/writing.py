@@ -26,7 +26,7 @@ _CSV_LIST = (
     *("first", "last", "least", "greatest", "written_by", "written_in_packet", "written_in_file", "written_at"),
     "bytes",
 )
-_CSV_CHANGES = (
+CSV_CHANGES = (
     *("time", "master", "port", "station", "device", "parameter"),
     *("name", "unit", "from", "to", "packet", "file"),
 )
@@ -112,11 +112,6 @@ def change_as_csv(change: ChangedValue) -> str:
     place, access = change.place, change.access
     values = (access.name, access.unit, change.before, access.value, place.packet, place.file)
     return csv_line((time_text(place.epoch_s), access.master, *access.parameter, *values))
-
-
-def csv_head_of_changes() -> str:
-    """Return the first line of the CSV of changes."""
-    return csv_line(_CSV_CHANGES)
 
 
 def csv_line(values: Iterable[object]) -> str:

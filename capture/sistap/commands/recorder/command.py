@@ -76,8 +76,6 @@ exit status:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add_line_arguments(parser)
     add("-w", dest="folder", action=Once, metavar="FOLDER", help="the folder for the files; it is made if necessary")

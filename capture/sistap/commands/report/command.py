@@ -97,8 +97,6 @@ def _heading(text: str) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument(
         "captures",
         metavar="CAPTURE",

@@ -139,7 +139,7 @@ def page(report: Report, title: str = "", note: str = "") -> str:
         _remarks(tables.remarks(report)),
         _table(tables.episodes(report), "Each filter finds its packets: paste it into Wireshark's filter line."),
         _table(tables.summary(report)),
-        _overview(report),
+        _figure(plots.overview(report), "overview", _OVERVIEW),
         _table(tables.faults(report)),
         _table(tables.verdicts(report)),
         _table(tables.pauses(report), _PAUSES),
@@ -243,10 +243,6 @@ def _figure(drawing: Drawing | None, name: str, text: str) -> str:
 
 def _svg(drawing: Drawing, name: str) -> str:
     return svg(drawing, name).replace("<svg ", f'<svg aria-label="{escape(drawing.title)}" ', 1)
-
-
-def _overview(report: Report) -> str:
-    return _figure(plots.overview(report), "overview", _OVERVIEW)
 
 
 def _windows(report: Report) -> str:

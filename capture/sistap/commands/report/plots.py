@@ -334,7 +334,7 @@ def window(shown: ReportWindow) -> Drawing | None:
         panel = Panel(x=x, key=_KEY)
         for packet in shown.packets:
             _draw_packet(panel, packet, -lanes.index(_lane(packet)), shown)
-        panel.name_lanes([_lane_name(lane) for lane in lanes])
+        panel.name_lanes(["no station" if lane == _NO_STATION else f"station {lane}" for lane in lanes])
         return [[panel]]
 
     return Drawing(shown.title, _WIDE_IN, 1.3 + 0.6 * len(lanes), draw)
@@ -346,10 +346,6 @@ _NO_STATION = 256  # the lane under those of all addresses
 def _lane(packet: Packet) -> int:
     talker = packet.telegrams[0].talker if packet.telegrams else None
     return _NO_STATION if talker is None else talker
-
-
-def _lane_name(lane: int) -> str:
-    return "no station" if lane == _NO_STATION else f"station {lane}"
 
 
 def _draw_packet(panel: Panel, packet: Packet, base: float, shown: ReportWindow) -> None:

@@ -169,8 +169,10 @@ def summary(report: Report) -> ReportTable:
         ("In the same read", _same_read(figures)),
         (f"Silences above {ms_short(SILENCE_S)}", str(figures.silences.long)),
     ]
-    if figures.frame_intervals.count:
-        rows.append(("Intervals in other frames", _frame_intervals(figures.frame_intervals)))
+    if (times := figures.frame_intervals).count:  # that are no SIS telegrams
+        half, most = ms(times.within_s(0.5)), ms(times.longest_s)
+        text = f"{times.count}, from character to character: half within {half}, the longest {most}"
+        rows.append(("Intervals in other frames", text))
     return ReportTable("What was captured", (), rows)
 
 
@@ -202,12 +204,6 @@ def _records(figures: Figures) -> str:
 
 def _framing(number: int) -> str:
     return _FRAMINGS.get(number, f"frames of framing {number}")
-
-
-def _frame_intervals(times: Distribution) -> str:
-    """Write those in frames that are no SIS telegrams."""
-    half, most = ms(times.within_s(0.5)), ms(times.longest_s)
-    return f"{times.count}, from character to character: half within {half}, the longest {most}"
 
 
 def _uncertainty(figures: Figures) -> str:
