@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+# ruff: noqa: F403, F405 - for type checkers, the names are those of library
 """sistap: a passive tap for the SIS serial protocol that records the time of every character.
 
 It has three storeys: the tap; what tshark dissects; the commands. A room may use those named beside it, and what these
@@ -51,30 +52,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from sistap.library import (
-        Character,
-        Error,
-        Event,
-        Flag,
-        Framing,
-        LineSettings,
-        NotCaptured,
-        OutputError,
-        OutputRefused,
-        Packet,
-        PortError,
-        PortLost,
-        Record,
-        SourceError,
-        Tap,
-        Telegram,
-        TsharkError,
-        Type,
-        Writer,
-        dissect,
-        play,
-        read,
-    )
+    from sistap.library import *
 
 __version__ = "0.1.0"
 __all__ = [

@@ -167,7 +167,6 @@ class _Collector:
 class _Messages:
     """Messages for people go to the logger `sistap`; the reason of an end is kept."""
 
-    shows_progress = False
     alarms = ""
 
     def say(self, text: str) -> None:

@@ -111,8 +111,6 @@ class Sink:
 class Told:
     """Remembers the messages to the user, and how long the capture had been running."""
 
-    shows_progress = True
-
     def __init__(self, clock: Clock) -> None:
         self.said: list[tuple[int, str]] = []
         self.alarms: list[str] = []

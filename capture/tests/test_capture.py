@@ -670,7 +670,10 @@ class FakeClock:
         return self.ns
 
 
-def test_hints_and_progress_come_with_the_clock(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_hints_and_progress_come_with_the_clock(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Console, "shows_progress", True)
     clock = FakeClock()
 
     class Slow(FakeReader):

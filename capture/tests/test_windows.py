@@ -236,6 +236,7 @@ def test_progress_is_cut_to_a_terminal_that_windows_knows_by_its_number_alone(
         return os.terminal_size((10, 24))
 
     monkeypatch.setattr(os, "get_terminal_size", size)
+    monkeypatch.setattr(Console, "shows_progress", True)
     Console().progress("0123456789abc")
     assert capfd.readouterr().err == "\r\x1b[K012345678"
 

@@ -68,10 +68,8 @@ exit status:
 
 
 def _reader(pattern: str) -> Callable[[], LogReader]:
-    try:
-        PatternReader(pattern)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+    """Return what makes readers. ValueError says what is wrong with the expression."""
+    PatternReader(pattern)
     return lambda: PatternReader(pattern)
 
 
@@ -89,7 +87,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--regex",
         dest="reader",
         metavar="REGEX",
-        type=_reader,
+        type=argument(_reader),
         help="a pattern (regular expression) for a line of the log, with the names of text2pcap: (?<data>...) is the "
         "bytes in hexadecimal; (?<time>...) and (?<dir>...) are optional; lines that do not fit are left out",
     )
@@ -166,7 +164,7 @@ def _sources(args: argparse.Namespace) -> list[str]:
 
 
 def _progress(console: Console, what: str, *, is_shown: bool = True) -> Callable[[float], None]:
-    if not console.shows_progress or not is_shown:
+    if not is_shown:
         return lambda _: None
     return lambda part: console.progress(f"{what}: {part:.0%}" if part < 1 else "")
 

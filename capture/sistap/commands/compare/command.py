@@ -70,13 +70,11 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         good, bad = (check_captures(side, console.say, args.output) for side in _sides(args))
-        progress = console.progress if console.shows_progress else _silent
         with Tshark() as tshark, opened(args.output, [*good, *bad], force=args.force) as file:
-            before = read(tshark, good, console.say, progress, Engine(thresholds=args.thresholds))
+            before = read(tshark, good, console.say, console.progress, Engine(thresholds=args.thresholds))
             engine = Engine(before.engine, args.thresholds)
-            comparison = compare(before, read(tshark, bad, console.say, progress, engine))
-            if console.shows_progress:
-                console.progress("")
+            comparison = compare(before, read(tshark, bad, console.say, console.progress, engine))
+            console.progress("")
             file.write(FORMATS[args.format](comparison).encode())
     except (UsageError, NotACapture, NotOpened) as error:
         console.say(str(error))
@@ -95,7 +93,3 @@ def _sides(args: argparse.Namespace) -> tuple[list[Path], list[Path]]:
     else:
         raise UsageError("name two captures, good and bad; for several files of a side use --good and --bad")
     return sides
-
-
-def _silent(text: str) -> None:
-    """Show no progress."""

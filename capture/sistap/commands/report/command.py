@@ -14,11 +14,9 @@ from sistap.commands.report import plain, windows
 from sistap.commands.report.gather import Report, gather, learned
 from sistap.commands.report.page import page
 from sistap.commands.report.plots import drawings
-from sistap.commands.report.windows import ReportWindow
 from sistap.dissected.captures import portions, since
 from sistap.dissected.captures.joining import check_captures, in_order
 from sistap.dissected.captures.reading import NotCaptured
-from sistap.dissected.captures.since import Since
 from sistap.dissected.draw.svg import stacked
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.options import add_rule
@@ -76,20 +74,6 @@ FORMATS = {
 _ENDINGS = {"htm": "html", "txt": "text"} | {name: name for name in FORMATS}
 
 
-def _window(text: str) -> ReportWindow:
-    try:
-        return windows.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def _since(text: str) -> Since:
-    try:
-        return since.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
 def _heading(text: str) -> str:
     """Return a text that a page can show, whatever the shell has passed on."""
     return visible(text, keep="\n")
@@ -129,7 +113,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--since",
         metavar="TIME",
-        type=_since,
+        type=argument(since.parse),
         help="tell what happened from TIME on: 06:00, a date, or so long before the end of the last CAPTURE: 30m, 8h, "
         "2d; what came before only says what is usual",
     )
@@ -160,7 +144,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--window",
         metavar="START+SECONDS",
-        type=_window,
+        type=argument(windows.parse),
         action="append",
         default=[],
         help="show these seconds in full detail, from START on; can be given several times",
@@ -209,21 +193,19 @@ class _Noting:
 
 
 def _gather(args: argparse.Namespace, console: Console, left_out: _Noting, *, has_windows: bool) -> Report:
-    progress = console.progress if console.shows_progress else _silent
     limits_ms = {name: value for name, value in (("tza", args.tza), ("trs", args.trs)) if value}
     captures, since_s = in_order(args.captures), -math.inf
     if args.since:
         captures, since_s = since.recent(captures, args.since)
     several = f"{len(captures)} files, {captures[0].name} to {captures[-1].name}"
     name = several if len(captures) > 1 else captures[0].name
-    progress(f"reading {name}")
+    console.progress(f"reading {name}")
     with Tshark() as tshark, closing(portions.in_turn(captures, portions.TOGETHER, left_out)) as files:
         before = _before(args, tshark, left_out)
         known = limits_ms, since_s, args.thresholds, before
-        report = gather(tshark, files, args.window, progress, *known, has_windows=has_windows)
+        report = gather(tshark, files, args.window, console.progress, *known, has_windows=has_windows)
     report.name, report.files, report.left_out = visible(name), len(captures), left_out.noted
-    if console.shows_progress:
-        console.progress("")
+    console.progress("")
     if report.warning:
         console.say(f"{captures[0]}: the report is of what comes before the damage: {report.warning}")
     return report
@@ -235,10 +217,6 @@ def _before(args: argparse.Namespace, tshark: Tshark, left_out: _Noting) -> Engi
         return None
     with closing(portions.in_turn(in_order(args.baseline), portions.TOGETHER, left_out)) as files:
         return learned(tshark, files, args.thresholds)
-
-
-def _silent(text: str) -> None:
-    """Show no progress."""
 
 
 def _write(args: argparse.Namespace, name: str, console: Console, left_out: _Noting) -> None:

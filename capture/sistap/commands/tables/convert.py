@@ -69,7 +69,7 @@ def _told(dissection: Dissection, capture: Path, console: Console) -> Iterator[P
     """Yield all packets, and tell how far it is."""
     for count, packet in enumerate(dissection.packets(), 1):
         yield packet
-        if count % _PROGRESS_EVERY == 0 and console.shows_progress:
+        if count % _PROGRESS_EVERY == 0:
             console.progress(f"{capture}: {count} packets read, {packet.time_s:.0f} s of it")
 
 

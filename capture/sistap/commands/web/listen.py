@@ -132,8 +132,6 @@ class _PageSink:
 class _Console:
     """What is said, for the page to show."""
 
-    shows_progress = False
-
     def __init__(self) -> None:
         self.said = ""
 

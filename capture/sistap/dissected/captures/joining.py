@@ -6,7 +6,7 @@ from __future__ import annotations
 import struct
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
@@ -118,20 +118,16 @@ class Joined(NamedTuple):
 
 def in_order(captures: Iterable[Path]) -> list[Path]:
     """Sort captures by their first packets. If any has no such time, the order stays."""
-    times = [(begin_ns(capture), capture) for capture in captures]
-    if any(begin_ns is None for begin_ns, _ in times):
-        return [capture for _, capture in times]
-    return [capture for _, capture in sorted(times, key=lambda time: time[0] or 0)]
+    given = [*captures]
+    begins = {capture: begin_ns(capture) for capture in given}
+    return given if None in begins.values() else sorted(given, key=lambda capture: begins[capture] or 0)
 
 
-@contextmanager
-def together(captures: Sequence[Path], say: Callable[[str], None]) -> Iterator[Joined]:
+def together(captures: Sequence[Path], say: Callable[[str], None]) -> AbstractContextManager[Joined]:
     """Join captures; a single one stays as it is. Report damage. Raise NotCaptured for a foreign one."""
     if len(captures) == 1:
-        yield Joined(captures[0], [_JoinedCapture(1, captures[0])])
-    else:
-        with joined(captures, say) as one:
-            yield one
+        return nullcontext(Joined(captures[0], [_JoinedCapture(1, captures[0])]))
+    return joined(captures, say)
 
 
 @contextmanager

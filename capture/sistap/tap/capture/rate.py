@@ -49,11 +49,13 @@ class _Try:
 
     def in_vain(self, now_ns: int, silence_ns: int) -> bool:
         """Tell whether to move on; a line without a character gets `silence_ns`."""
-        errors = self.surely_faulty >= ENOUGH_ERRORS and self.surely_faulty * ACCIDENT > self.characters
-        garbage = self.characters >= ENOUGH_CHARACTERS
-        patience_ns = PAUSE_NS if self.characters else silence_ns
-        silence = now_ns - (self.last_ns or self.since_ns or now_ns) >= patience_ns
-        return errors or garbage or silence
+        if self.surely_faulty >= ENOUGH_ERRORS and self.surely_faulty * ACCIDENT > self.characters:
+            return True
+        if self.characters >= ENOUGH_CHARACTERS:
+            return True
+        if self.last_ns is not None:
+            return now_ns - self.last_ns >= PAUSE_NS
+        return self.since_ns is not None and now_ns - self.since_ns >= silence_ns
 
 
 class Scan:

@@ -147,7 +147,7 @@ def record(  # noqa: PLR0913 - it puts the parts together
             console,
             conditions(options, plan.only),
             quiet=options.quiet,
-            progress=bool(options.file) and not options.quiet and console.shows_progress,
+            progress=bool(options.file) and not options.quiet,
             remote=remote,
             reopen=ports.reopen if options.wait_for_port else None,
         )
