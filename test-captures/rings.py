@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sistap.dissected.captures import reading
 from sistap.dissected.wireshark.tshark import Tshark
-from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.output import FileLimits, Output
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.records.counters import Counters
@@ -27,7 +27,7 @@ class _Short(Output):
     """Files of so many blocks."""
 
     def __init__(self, path: Path, blocks: int) -> None:
-        super().__init__(str(path), Limits(several=True))
+        super().__init__(str(path), FileLimits(several=True))
         self._blocks = blocks
         self._written = 0
 

@@ -61,8 +61,6 @@ exit status:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of `sistap bus`."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add("scenario", nargs="?", default=DEFAULT, metavar="SCENARIO", help=f"built-in, or FILE.toml (default {DEFAULT})")
     add("--list", action="store_true", help="list the built-in scenarios")

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sisbus.playing.characters import Character, Played
+from sisbus.playing.characters import Played, SentCharacter
 from sisbus.wires import place
 from sisbus.wires.place import play
 from sisbus.wires.wire import Pace, Refusal
@@ -59,8 +59,6 @@ class Content(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("capture", type=Path, metavar="CAPTURE", help="a capture that sistap wrote")
     place.add_arguments(parser)
 
@@ -130,7 +128,7 @@ def _reads(path: Path, line: int, begin_ns: int) -> Iterator[Played]:
                 yield read
                 read = None
             read = read or Played(time_ns, b"", [], [], settings, line, record.uncertainty_ns)
-            read.characters.append(Character(time_ns, value, flags & Flag.FROM_READER))
+            read.characters.append(SentCharacter(time_ns, value, flags & Flag.FROM_READER))
             # A record has the largest uncertainty of its reads, so the smaller one belongs to this read.
             uncertainty_ns = min(read.uncertainty_ns, record.uncertainty_ns)
             read = read._replace(sent=read.sent + bytes([value]), uncertainty_ns=uncertainty_ns)

@@ -162,9 +162,10 @@ def parser(called: Container[str] = COMMANDS, listed: Iterable[str] = COMMANDS) 
         command = commands.add_parser(name, help=text, formatter_class=argparse.RawDescriptionHelpFormatter)
         if name in called:
             module = importlib.import_module(module_name)
-            module.add_arguments(command)
+            command.description, command.epilog = module.DESCRIPTION, examples(getattr(module, "EPILOG", ""))
+            if hasattr(module, "add_arguments"):
+                module.add_arguments(command)
             command.set_defaults(run=module.run, whole_parser=parser)
-            command.epilog = examples(command.epilog or "")
     return whole
 
 

@@ -255,7 +255,7 @@ def test_what_a_full_disk_leaves_is_what_the_summary_counts(
         return write_really(descriptor, data[:count])
 
     write_really = os.write
-    monkeypatch.setattr("sistap.tap.files.output._File.write_some", lambda file, data: write(file.descriptor, data))
+    monkeypatch.setattr("sistap.tap.files.output._OpenFile.write_some", lambda file, data: write(file.descriptor, data))
     damaged = ALL[0][:-1] + b"\xff"
     what = [*reads(*ALL, damaged), *reads(b"lost", flag=Flag.LOST_BEFORE), *reads(*ALL * 4)]
     assert run(FakeReader(what), "-w", str(tmp_path / "x.pcapng"), *options) == 1

@@ -19,7 +19,7 @@ from imported import Imported, run
 from sampled_wire import Sent, needs_sigrok, sampled
 
 from sistap.commands.imports.formats import opened
-from sistap.commands.imports.source import Told
+from sistap.commands.imports.source import Stated
 from sistap.tap.line.settings import Flag, LineSettings
 from sistap.tap.records.record import Framing, Type
 from sistap.tap.terminal.exits import UsageError
@@ -316,7 +316,7 @@ def test_an_export_that_is_cut_anywhere(tmp_path: Path, text: str) -> None:
         source.write_text(text[:length])
         try:
             with ExitStack() as tools:
-                found = [read.data[0] for read in opened(source, Told(9600, samplerate=1_000_000), tools).reads()]
+                found = [read.data[0] for read in opened(source, Stated(9600, samplerate=1_000_000), tools).reads()]
         except UsageError:
             found = []
         whole = text.rfind("\n", 0, length)

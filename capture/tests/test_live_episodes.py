@@ -12,12 +12,12 @@ import pytest
 
 from sistap.commands.recorder import recorder as recorder_module
 from sistap.commands.recorder.keeper import Around
+from sistap.commands.recorder.reasons import judges
 from sistap.commands.recorder.recorder import Recorder, Wanted
-from sistap.commands.recorder.watching import judges
 from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.captures import reading
 from sistap.dissected.episodes.episode import Hit, severity_of
-from sistap.dissected.episodes.live import FIELD, LIVE, Live
+from sistap.dissected.episodes.live import FIELD, LIVE, LiveEpisodes
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import Packet, Telegram
 from sistap.dissected.wireshark.rows import FRAME, OTHER
@@ -34,7 +34,7 @@ class Bus:
     """A master and stations; what is told of them."""
 
     def __init__(self) -> None:
-        self.live = Live()
+        self.live = LiveEpisodes()
         self.told: list[Hit] = []
         self.now_s = self.heard_s = 0.0
 

@@ -21,7 +21,7 @@ import pytest
 
 from sistap import cli
 from sistap.dissected.captures import reading
-from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.output import FileLimits, Output
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.records.counters import Counters
@@ -46,7 +46,7 @@ def night(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def ring(night: Path, tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """The same night in several files, as a ring has them. The command gets them in the wrong order."""
     folder = tmp_path_factory.mktemp("ring")
-    output = Output(str(folder / "night.pcapng"), Limits(size=night.stat().st_size // 5, several=True))
+    output = Output(str(folder / "night.pcapng"), FileLimits(size=night.stat().st_size // 5, several=True))
     first, *rest = reading.records(night)
     writer = PcapngWriter(output, LINE, Counters())
     writer.begin(first)

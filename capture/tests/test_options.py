@@ -10,7 +10,7 @@ import pytest
 
 from sistap.tap.capture import command
 from sistap.tap.capture.options import CaptureOptions, checked, rate
-from sistap.tap.files.output import Limits
+from sistap.tap.files.output import FileLimits
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.records.cut import PROCEDURE_3964R, Cut
 from sistap.tap.terminal.exits import UsageError
@@ -47,7 +47,7 @@ def test_formats_are_looked_for_only_with_the_rate() -> None:
 
 def test_limits() -> None:
     ring = replace(PLAIN, file="x", ring={"filesize": 3.0, "files": 2.0}, autostop={"files": 5.0})
-    assert ring.limits == Limits(size=3000, duration_s=None, several=True, keep=2, files=5)
+    assert ring.limits == FileLimits(size=3000, duration_s=None, several=True, keep=2, files=5)
     with pytest.raises(UsageError, match="need a file: say it with -w"):
         replace(ring, file=None).limits  # noqa: B018 - it checks
 

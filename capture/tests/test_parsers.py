@@ -217,4 +217,4 @@ def test_texts_of_usbmon(tmp_path_factory: pytest.TempPathFactory, data: bytes) 
     path = Path(tmp_path_factory.getbasetemp()) / "usbmon.txt"
     path.write_bytes(data)
     with suppress(UsageError):
-        assert all(transfer.time_ns >= 0 for transfer in usbmon.Transfers(path))
+        assert all(transfer.time_ns >= 0 for transfer in usbmon.UsbmonTransfers(path))

@@ -23,7 +23,7 @@ from sistap.dissected.packets.kept import Span
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.common.writing import Incomplete
 from sistap.tap.files import pcapng
-from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.output import FileLimits, Output
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.records.counters import Counters
 
@@ -45,7 +45,7 @@ def pieces(night: Path, folder: Path) -> list[Path]:
 
 def ring(night: Path, folder: Path) -> list[Path]:
     """Write a capture again, as several files. Each but the first begins with what was told before."""
-    output = Output(str(folder / "ring.pcapng"), Limits(size=night.stat().st_size // PIECES, several=True))
+    output = Output(str(folder / "ring.pcapng"), FileLimits(size=night.stat().st_size // PIECES, several=True))
     first, *rest = reading.records(night)
     writer = PcapngWriter(output, {0: PORT}, Counters())
     writer.begin(first)

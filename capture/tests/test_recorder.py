@@ -24,16 +24,15 @@ from sistap.commands.recorder import notifier, retention
 from sistap.commands.recorder import recorder as recorder_module
 from sistap.commands.recorder.keeper import Around
 from sistap.commands.recorder.notifier import Notifier
-from sistap.commands.recorder.reasons import word
+from sistap.commands.recorder.reasons import Judge, judges, word
 from sistap.commands.recorder.recorder import Recorder, Wanted
-from sistap.commands.recorder.watching import Judge, judges
 from sistap.dissected.captures import reading
 from sistap.dissected.episodes.live import LIVE
-from sistap.dissected.explain.relay import Entry, Judged, Seams
+from sistap.dissected.explain.relay import Entry, JudgedEntry, Seams
 from sistap.dissected.explain.running import ordinary_children
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files import output as output_module
-from sistap.tap.files.output import Limits, Output, OutputError, file_name
+from sistap.tap.files.output import FileLimits, Output, OutputError, file_name
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.line import priority
@@ -283,7 +282,7 @@ def test_a_ring_alone_is_compressed_up_to_its_newest_file(
     tshark: Tshark, traffic: list[Record], tmp_path: Path
 ) -> None:
     """So after kill -9 all files open, the newest up to its last whole record."""
-    output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
+    output = Output(str(tmp_path / "ring.pcapng"), FileLimits(size=50_000, several=True))
     ring = PcapngWriter(output, LINE, Counters())
     wanted = Wanted(tmp_path, by(tshark, "nothing"), Around(SECOND, SECOND), 5, compress=True)
     recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
@@ -309,7 +308,7 @@ def clock_set_back(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_file_that_is_written_stays_when_the_clock_is_set_back(
     tshark: Tshark, traffic: list[Record], tmp_path: Path
 ) -> None:
-    output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
+    output = Output(str(tmp_path / "ring.pcapng"), FileLimits(size=50_000, several=True))
     ring = PcapngWriter(output, LINE, Counters())
     wanted = Wanted(tmp_path, by(tshark, "nothing"), Around(SECOND, SECOND), 5, ring_files=2, compress=True)
     recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
@@ -340,7 +339,7 @@ def fill(folder: Path, leaving: int) -> Path:
 def test_a_disk_without_room_for_a_compressed_ring(tshark: Tshark, traffic: list[Record], small_disk: Path) -> None:
     """The room that is left is the ring's. What stays as it is is said once, and compressed when there is room."""
     said: list[str] = []
-    output = Output(str(small_disk / "ring.pcapng"), Limits(size=50_000, several=True))
+    output = Output(str(small_disk / "ring.pcapng"), FileLimits(size=50_000, several=True))
     ring = PcapngWriter(output, LINE, Counters())
     wanted = Wanted(small_disk, by(tshark, "nothing"), Around(SECOND, SECOND), 5, compress=True)
     recorder = Recorder(wanted, tshark, LINE, said.append, ring=ring)
@@ -377,7 +376,7 @@ def test_a_disk_without_room_for_compressed_kept_files(tshark: Tshark, traffic: 
 
 
 def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:
-    output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
+    output = Output(str(tmp_path / "ring.pcapng"), FileLimits(size=50_000, several=True))
     ring = PcapngWriter(output, LINE, Counters())
     wanted = Wanted(tmp_path, by(tshark, "faults"), Around(SECOND, SECOND), 5)
     recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
@@ -494,7 +493,7 @@ def test_every_fault_is_found_in_one_pass_and_has_its_reason(tshark: Tshark, tmp
         assert cli.main(["bus", *bus, "-w", str(path)]) == 0
         for judge in deciding:
             for line in tshark.lines(["-r", str(path), *judge.arguments(None)]):
-                reason = judge.reason(Judged(Entry(0, b""), judge.columns(line)))
+                reason = judge.reason(JudgedEntry(Entry(0, b""), judge.columns(line)))
                 found.add(reason.word if reason else "")
     assert found >= {"damaged", "lost", "line-error", "interval", "late", "error", "repeated", "silent", "write"}
 

@@ -32,7 +32,7 @@ from sharkd import Sharkd
 from sistap.commands.report import page, plain, tables
 from sistap.commands.report.figures import Figures
 from sistap.commands.report.gather import Report, gather
-from sistap.commands.report.windows import PACKETS_KEPT, Window, parse
+from sistap.commands.report.windows import PACKETS_KEPT, ReportWindow, parse
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import FIELDS, UNRESOLVED, Dissection, Packet, packet_of
@@ -423,7 +423,7 @@ def test_no_room_to_keep_what_was_read(
 
 
 def test_a_window_keeps_a_bounded_number_of_packets() -> None:
-    window = Window("", 0.0, 10.0)
+    window = ReportWindow("", 0.0, 10.0)
     for _ in range(PACKETS_KEPT + 7):
         window.add(a_packet())
     assert (len(window.packets), window.left_out) == (PACKETS_KEPT, 7)

@@ -12,7 +12,7 @@ import pytest
 from pcapng.blocks import EnhancedPacket, InterfaceDescription, InterfaceStatistics
 
 from sistap.tap.files import writer
-from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.output import FileLimits, Output
 from sistap.tap.files.pcapng import LINK_TYPES, LINKTYPE_USER0, LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.tap.files.writer import Blocks, PcapngWriter
 from sistap.tap.line.settings import LineSettings
@@ -44,7 +44,7 @@ class Writing:
     def __init__(
         self, folder: Path, link_type: int = LINKTYPE_WIRESHARK_UPPER_PDU, *, files: int | None = None
     ) -> None:
-        self.output = Output(str(folder / "x"), Limits(size=1000, several=True, files=files))
+        self.output = Output(str(folder / "x"), FileLimits(size=1000, several=True, files=files))
         interfaces = {line: Interface(link_type, f"/dev/ttyS{line}") for line in (1, 2)}
         self.writer = PcapngWriter(self.output, interfaces, Counters())
         self.writer.begin(started(1, FIRST_NS), started(2, SECOND_NS))

@@ -16,7 +16,7 @@ from portable import fifos, links, modes, posix
 
 from sistap.commands.recorder import retention
 from sistap.tap.common.writing import Incomplete, NotOpened, opened
-from sistap.tap.files.output import Limits, Output, file_name
+from sistap.tap.files.output import FileLimits, Output, file_name
 
 HOUR_NS = 3600 * 1_000_000_000
 NAME = "x.out"  # of the file to write
@@ -93,7 +93,7 @@ def test_a_link_in_the_place_of_the_next_file(tmp_path: Path, monkeypatch: pytes
     ring, kept = tmp_path / "ring.pcapng", retention.new_name(tmp_path, HOUR_NS, "damaged")
     for foreseen in (Path(file_name(str(ring), 1, 1e9)), kept):
         foreseen.symlink_to(tmp_path / "victim")
-    output = Output(str(ring), Limits(several=True))
+    output = Output(str(ring), FileLimits(several=True))
     output.write(b"x")
     output.close()
     assert retention.new_name(tmp_path, HOUR_NS, "damaged") != kept
@@ -110,7 +110,7 @@ def test_a_pipe_in_the_place_of_the_next_file(tmp_path: Path, monkeypatch: pytes
     names = [Path(file_name(str(ring), 1, 1e9 + second)) for second in range(2)]
     os.mkfifo(names[0])
     monkeypatch.setattr("os.path.lexists", lambda _: False)
-    output = Output(str(ring), Limits(several=True))
+    output = Output(str(ring), FileLimits(several=True))
     output.write(b"x")
     output.close()
     assert names[1].read_bytes() == b"x"

@@ -73,8 +73,6 @@ class Point(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument(
         "-i", dest="port", metavar="PORT", type=ports.short, help="check this port as well (written as for capture)"
     )
@@ -168,7 +166,7 @@ def _analysers() -> Iterator[Point]:
     for found in probe.plugged_in():
         trouble = found.missing
         text = f"{found.name} ({found.port})"
-        yield Point("poor", "analyser", f"{text}: {trouble}") if trouble else Point("good", "analyser", text)
+        yield (Point("poor", "analyser", f"{text}: {trouble}") if trouble else Point("good", "analyser", text))
 
 
 def _has_pyserial() -> bool:

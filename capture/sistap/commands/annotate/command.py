@@ -16,7 +16,7 @@ from sistap.commands.annotate.meanings import Meanings
 from sistap.commands.annotate.page import PageAnnotator
 from sistap.commands.annotate.pattern import PatternReader, TooSlow
 from sistap.commands.annotate.reading import LogReader
-from sistap.commands.annotate.sources import Source, SourceError
+from sistap.commands.annotate.sources import LogSource, SourceError
 from sistap.commands.annotate.spool import Spool
 from sistap.commands.annotate.troubles import Troubles
 from sistap.dissected.episodes.options import add_rule
@@ -77,8 +77,6 @@ def _reader(pattern: str) -> Callable[[], LogReader]:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("log", metavar="LOG", help="a text file, a raw log as PuTTY saves it, or - for standard input")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--format", choices=("text", "html"), default="text", help="what to write (default: text)")
@@ -139,10 +137,6 @@ def _check(args: argparse.Namespace) -> None:
             raise UsageError(f"{path} is the log itself; name another file with {option}")
 
 
-def _is_same(path: str, log: str) -> bool:
-    return log != "-" and Path(path).exists() and Path(log).exists() and Path(path).samefile(log)
-
-
 def _judge(args: argparse.Namespace, passage: Passage, troubles: Troubles, console: Console) -> int:
     """Report it if there was nothing to explain."""
     log = _name(args)
@@ -159,6 +153,10 @@ def _judge(args: argparse.Namespace, passage: Passage, troubles: Troubles, conso
     return DONE
 
 
+def _is_same(path: str, log: str) -> bool:
+    return log != "-" and Path(path).exists() and Path(log).exists() and Path(path).samefile(log)
+
+
 def _name(args: argparse.Namespace) -> str:
     return "standard input" if args.log == "-" else Path(args.log).name
 
@@ -173,12 +171,12 @@ def _progress(console: Console, what: str, *, is_shown: bool = True) -> Callable
     return lambda part: console.progress(f"{what}: {part:.0%}" if part < 1 else "")
 
 
-def _batches(args: argparse.Namespace, source: Source, console: Console) -> annotating.Batches:
+def _batches(args: argparse.Namespace, source: LogSource, console: Console) -> annotating.Batches:
     """Read the log once only: it may grow meanwhile."""
     return source.lines(args.framing, _progress(console, "read"))
 
 
-def _capture(args: argparse.Namespace, source: Source, passage: Passage, console: Console) -> str:
+def _capture(args: argparse.Namespace, source: LogSource, passage: Passage, console: Console) -> str:
     """Write the capture; return what to say of it."""
     output = Output(args.capture, force=args.force, sources=_sources(args))
     try:
@@ -189,7 +187,7 @@ def _capture(args: argparse.Namespace, source: Source, passage: Passage, console
         output.close()
 
 
-def _explain(args: argparse.Namespace, source: Source, passage: Passage, console: Console) -> None:
+def _explain(args: argparse.Namespace, source: LogSource, passage: Passage, console: Console) -> None:
     """Write the explanation: of a file after all of it was dissected, of a pipe as it comes.
 
     A page also shows what only a later telegram tells, so it waits for the end of a pipe.
@@ -206,7 +204,7 @@ def _explain(args: argparse.Namespace, source: Source, passage: Passage, console
 
 
 def _explain_whole(
-    args: argparse.Namespace, source: Source, passage: Passage, console: Console, tshark: Tshark
+    args: argparse.Namespace, source: LogSource, passage: Passage, console: Console, tshark: Tshark
 ) -> None:
     with ExitStack() as stack, uncollected():
         file = stack.enter_context(opened(args.output, _sources(args), force=args.force))

@@ -52,8 +52,6 @@ _NS = 1  # resolution of the times
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="a capture that sistap wrote, or of a network")
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
     parser.add_argument("--force", action="store_true", help=FORCE)

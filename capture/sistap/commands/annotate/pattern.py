@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from sistap.commands.annotate import marks, notations
-from sistap.commands.annotate.reading import Contents, State, is_explanation
+from sistap.commands.annotate.reading import Carried, Contents, is_explanation
 from sistap.commands.annotate.stamps import TimestampParser
 from sistap.commands.annotate.textlog import LogLine
 
@@ -59,7 +59,7 @@ class PatternReader:
         if unknown := names.keys() - {"data", "time", "dir"}:
             raise ValueError(f"'{pattern}': groups are data, time and dir, not {', '.join(sorted(unknown))}")
         self._timestamps = TimestampParser()
-        self._state = State()
+        self._state = Carried()
 
     def contents(self, line: LogLine) -> Contents:
         """Find the bytes of a line at each match of the expression. May raise TooSlow."""

@@ -33,7 +33,7 @@ class SourceError(Error):
     """The log cannot be read; the text is the line to show."""
 
 
-class Source(NamedTuple):
+class LogSource(NamedTuple):
     """A log."""
 
     log: str
@@ -52,15 +52,15 @@ class Source(NamedTuple):
         return _from_file(self.log, RawCutter(framing) if self.is_raw else LineCutter(), progress)
 
 
-def look(log: str, framing: Cut, reader: LogReader | None = None) -> Source:
+def look(log: str, framing: Cut, reader: LogReader | None = None) -> LogSource:
     """Look how a log is to be read, unless a `reader` is given. SourceError if it cannot be read."""
     live = reader or (SessionReader() if framing == ASCII else AnyReader(framing=framing))
     if log == "-":
-        return Source(log, live)
+        return LogSource(log, live)
     try:
         mode = Path(log).stat().st_mode
         if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
-            return Source(log, live)  # opening it would wait for a writer
+            return LogSource(log, live)  # opening it would wait for a writer
         if packed := unpack(Path(log)):
             raise SourceError(packed)
         with open(log, "rb") as file:
@@ -70,11 +70,11 @@ def look(log: str, framing: Cut, reader: LogReader | None = None) -> Source:
     if beginning.startswith(FIRST_BYTES):
         raise SourceError(f"{log} is a capture, not a log: `sistap log {log}` explains it")
     if not reader and not beginning.startswith(UTF_16) and is_raw(beginning[:_PIECE], framing):
-        return Source(log, RawReader(), is_pipe=False)
+        return LogSource(log, RawReader(), is_pipe=False)
     _check_text(log, beginning)
     if not reader and framing == ASCII and is_session(beginning):
         reader = SessionReader()
-    return Source(log, reader or AnyReader([*lines([beginning])], framing), is_pipe=False)
+    return LogSource(log, reader or AnyReader([*lines([beginning])], framing), is_pipe=False)
 
 
 def _check_text(log: str, beginning: bytes) -> None:

@@ -54,8 +54,6 @@ FORMATS: dict[str, Callable[[Comparison], str]] = {"text": plain.as_text, "html"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("captures", metavar="GOOD BAD", type=Path, nargs="*", help="one capture for each side")
     for side, time in (("good", "all was well"), ("bad", "it was not")):
         parser.add_argument(

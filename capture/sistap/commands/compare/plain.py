@@ -8,8 +8,8 @@ import json
 from typing import Any
 
 from sistap.commands.compare import findings
-from sistap.commands.compare.differences import Comparison, Count, Parameter, Quantile, Times
-from sistap.commands.compare.findings import Table
+from sistap.commands.compare.differences import ComparedParameter, Comparison, Count, Times
+from sistap.commands.compare.findings import CompareTable
 from sistap.commands.compare.happened import Happened
 from sistap.commands.compare.side import Side
 from sistap.dissected.accesses.listing import Listed
@@ -25,7 +25,7 @@ def as_text(comparison: Comparison) -> str:
     return "\n\n".join(["\n".join(head), *map(_table, findings.tables(comparison))]) + "\n"
 
 
-def _table(table: Table) -> str:
+def _table(table: CompareTable) -> str:
     rows = [table.heads, *table.rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
@@ -34,11 +34,7 @@ def _table(table: Table) -> str:
 
 def as_json(comparison: Comparison) -> str:
     """Return all differences as JSON; times are in s, as their names state."""
-    return json.dumps(_comparison(comparison), indent=2, allow_nan=False) + "\n"
-
-
-def _comparison(comparison: Comparison) -> dict[str, Any]:
-    return {
+    made = {
         "good": _side(comparison.good),
         "bad": _side(comparison.bad),
         "lines": {line.subject: line.found for line in findings.lines(comparison)},
@@ -50,6 +46,7 @@ def _comparison(comparison: Comparison) -> dict[str, Any]:
         "times": list(map(_times, comparison.times)),
         "settings": [setting._asdict() | {"differs": setting.differs} for setting in comparison.settings],
     }
+    return json.dumps(made, indent=2, allow_nan=False) + "\n"
 
 
 def _side(side: Side) -> dict[str, Any]:
@@ -72,7 +69,7 @@ def _count(count: Count) -> dict[str, Any]:
     return {"what": count.what, "good": count.good, "bad": count.bad, "may_be_chance": count.may_be_chance}
 
 
-def _parameter(parameter: Parameter) -> dict[str, Any]:
+def _parameter(parameter: ComparedParameter) -> dict[str, Any]:
     _, station, device, ident = parameter.listed.parameter
     return {
         "station": station,
@@ -102,15 +99,11 @@ def _times(times: Times) -> dict[str, Any]:
         "what": times.what,
         "good": _distribution(times.good),
         "bad": _distribution(times.bad),
-        "half_within": _quantile(times.middle),
-        "99_percent_within": _quantile(times.tail),
+        "half_within": times.middle._asdict(),
+        "99_percent_within": times.tail._asdict(),
         "uncertainty_s": times.uncertainty_s,
         "differs": times.differing is not None,
     }
-
-
-def _quantile(quantile: Quantile) -> dict[str, Any]:
-    return quantile._asdict()
 
 
 def _distribution(times: Distribution) -> dict[str, Any]:

@@ -43,8 +43,6 @@ Answer = Callable[[argparse.Namespace], int]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.set_defaults(answer=_check_filter)
     asked = parser.add_argument_group("questions").add_mutually_exclusive_group()
     for option, (answer, text) in _ANSWERS.items():

@@ -12,7 +12,7 @@ from pathlib import Path
 from sistap.commands.imports import messages
 from sistap.commands.imports.convert import Conversion
 from sistap.commands.imports.formats import NAMES, opened
-from sistap.commands.imports.source import Source, Told
+from sistap.commands.imports.source import Source, Stated
 from sistap.dissected.wireshark.tshark import TsharkError
 from sistap.tap.files.output import Output, OutputError, OutputRefused
 from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
@@ -71,8 +71,6 @@ def _whole(text: str) -> int:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add("file", metavar="FILE", type=Path, help="the recording of another tool")
     add("-w", dest="output", metavar="OUT", required=True, help="write a pcapng file; - is standard output")
@@ -104,12 +102,12 @@ def run(args: argparse.Namespace) -> int:
     stop = Stop.current()
     console = Console()
     try:
-        told = _told(args)
+        stated = _stated(args)
         if args.dissector:
-            return _take_messages(args, told, stop, console)
+            return _take_messages(args, stated, stop, console)
         with ExitStack() as tools:
             output = tools.enter_context(closing(_output(args, stop)))
-            source = opened(args.file, told, tools)
+            source = opened(args.file, stated, tools)
             stop.at_once = False
             return _convert(args, source, output, stop, console)
     except (UsageError, OutputRefused) as error:
@@ -125,15 +123,15 @@ def _one_line(text: str) -> str:
     return "".join(character if character.isprintable() else "?" for character in " ".join(text.split()))
 
 
-def _told(args: argparse.Namespace) -> Told:
+def _stated(args: argparse.Namespace) -> Stated:
     """Check what the options say. May raise UsageError."""
-    told = Told(args.baud, args.format, args.samplerate, args.device, args.framing)
+    stated = Stated(args.baud, args.format, args.samplerate, args.device, args.framing)
     try:
-        told.settings  # noqa: B018 - only whether it can be made
+        stated.settings  # noqa: B018 - only whether it can be made
     except ValueError as error:
         raise UsageError(str(error)) from None
     _check_output(args)
-    return told
+    return stated
 
 
 def _check_output(args: argparse.Namespace) -> None:
@@ -148,9 +146,9 @@ def _output(args: argparse.Namespace, stop: Stop) -> Output:
     return Output(args.output, stopped=lambda: stop.asked, force=args.force, sources=[args.file])
 
 
-def _take_messages(args: argparse.Namespace, told: Told, stop: Stop, console: Console) -> int:
+def _take_messages(args: argparse.Namespace, stated: Stated, stop: Stop, console: Console) -> int:
     """Make packets of a table of messages."""
-    if told != Told():
+    if stated != Stated():
         raise UsageError(
             "a table of messages has no line: leave out --baud, --format, --framing, --device and --samplerate"
         )

@@ -14,7 +14,7 @@ _JOINT = ","
 _LATEST_NS = 1 << 63
 
 
-class Rows:
+class FieldRows:
     """A dictionary of fields for each packet; commas join several values of a field."""
 
     def __init__(self, tshark: Tshark, capture: Path, fields: Sequence[str], options: Sequence[str] = ()) -> None:
@@ -38,7 +38,7 @@ class Rows:
 def protocols(tshark: Tshark, capture: Path) -> frozenset[str]:
     """Return the protocols of a capture's first packets; empty if it is not a capture. May raise TsharkError."""
     try:
-        packets = list(Rows(tshark, capture, ["frame.protocols"], ["-c", "10"]))
+        packets = list(FieldRows(tshark, capture, ["frame.protocols"], ["-c", "10"]))
     except TsharkError as error:
         if rows.is_no_capture(error):
             return frozenset()

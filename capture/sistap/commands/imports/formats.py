@@ -12,7 +12,7 @@ from typing import NamedTuple
 from sistap.commands.imports import levels, saleae, session, sigrok, usb_transfers, usbmon, vcd, wave
 from sistap.commands.imports.dissected import protocols
 from sistap.commands.imports.rtac import RtacCapture
-from sistap.commands.imports.source import Source, Told
+from sistap.commands.imports.source import Source, Stated
 from sistap.commands.imports.usb import UsbCapture
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.common.packed import unpack
@@ -21,12 +21,12 @@ from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.exits import UsageError
 
 
-class Text(NamedTuple):
+class TextFormat(NamedTuple):
     """A text that its first line identifies."""
 
     name: str
     first_line: str  # regular expression
-    opened: Callable[[Path, Told], Source]
+    opened: Callable[[Path, Stated], Source]
 
 
 class Form(NamedTuple):
@@ -34,35 +34,37 @@ class Form(NamedTuple):
 
     name: str
     is_it: Callable[[Path, str], bool]  # by the file and its beginning
-    read: Callable[[Path, Told], wave.Wave]
+    read: Callable[[Path, Stated], wave.Wave]
 
 
-class Capture(NamedTuple):
+class CaptureFormat(NamedTuple):
     """A capture file that a protocol in its first packets identifies."""
 
     name: str
     protocol: str  # in frame.protocols
-    opened: Callable[[Tshark, Path, Told], Source]
+    opened: Callable[[Tshark, Path, Stated], Source]
 
 
 CAPTURES = (
-    Capture(
+    CaptureFormat(
         "USB captures (usbmon, USBPcap) of an adapter: FTDI, CH340, CP210x, PL2303, CDC",
         "usb",
-        lambda tshark, path, told: UsbCapture(usb_transfers.Transfers(tshark, path), path, told),
+        lambda tshark, path, stated: UsbCapture(usb_transfers.Transfers(tshark, path), path, stated),
     ),
-    Capture("RTAC serial captures", "rtacser", RtacCapture),
+    CaptureFormat("RTAC serial captures", "rtacser", RtacCapture),
 )
 TEXTS = (
-    Text("data tables of Saleae Logic 2", saleae.LOGIC_2.first_line, saleae.reader(saleae.LOGIC_2)),
-    Text("exports of Saleae Logic 1", saleae.LOGIC_1.first_line, saleae.reader(saleae.LOGIC_1)),
-    Text("exports of Saleae Logic 1, all analysers", saleae.LOGIC_1_ALL.first_line, saleae.reader(saleae.LOGIC_1_ALL)),
-    Text(
+    TextFormat("data tables of Saleae Logic 2", saleae.LOGIC_2.first_line, saleae.reader(saleae.LOGIC_2)),
+    TextFormat("exports of Saleae Logic 1", saleae.LOGIC_1.first_line, saleae.reader(saleae.LOGIC_1)),
+    TextFormat(
+        "exports of Saleae Logic 1, all analysers", saleae.LOGIC_1_ALL.first_line, saleae.reader(saleae.LOGIC_1_ALL)
+    ),
+    TextFormat(
         "texts of usbmon, of the same adapters",
         usbmon.FIRST_LINE,
-        lambda path, told: UsbCapture(usbmon.Transfers(path), path, told),
+        lambda path, stated: UsbCapture(usbmon.UsbmonTransfers(path), path, stated),
     ),
-    Text("annotations of sigrok-cli and PulseView with sample numbers", sigrok.FIRST_LINE, sigrok.opened),
+    TextFormat("annotations of sigrok-cli and PulseView with sample numbers", sigrok.FIRST_LINE, sigrok.opened),
 )
 WAVES = (
     Form(
@@ -81,15 +83,15 @@ NAMES = tuple(known.name for known in (*CAPTURES, *TEXTS, *WAVES))
 _HEAD = 4096  # bytes that contain the first line
 
 
-def opened(path: Path, told: Told, tools: ExitStack) -> Source:
+def opened(path: Path, stated: Stated, tools: ExitStack) -> Source:
     """Recognise a file and open it; `tools` keeps what it needs. May raise UsageError and TsharkError."""
     if opener := known(path):
-        return opener(path, told)
+        return opener(path, stated)
     tshark = tools.enter_context(Tshark())
     seen = protocols(tshark, path)
     for capture in CAPTURES:
         if capture.protocol in seen:
-            return capture.opened(tshark, path, told)
+            return capture.opened(tshark, path, stated)
     if packed := unpack(path):
         raise UsageError(packed)
     if _first(path).startswith(FIRST_BYTES):
@@ -100,7 +102,7 @@ def opened(path: Path, told: Told, tools: ExitStack) -> Source:
     )
 
 
-def known(path: Path) -> Callable[[Path, Told], Source] | None:
+def known(path: Path) -> Callable[[Path, Stated], Source] | None:
     """Return what opens a file of a logic analyser; None: it is none. May raise UsageError."""
     head = _first(path).decode(errors="replace").removeprefix("\ufeff").lstrip()
     for text in TEXTS:
@@ -108,7 +110,7 @@ def known(path: Path) -> Callable[[Path, Told], Source] | None:
             return text.opened
     for form in WAVES:
         if form.is_it(path, head):
-            return lambda path, told: wave.opened(path, form.read(path, told), told)
+            return lambda path, stated: wave.opened(path, form.read(path, stated), stated)
     return None
 
 

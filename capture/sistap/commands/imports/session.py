@@ -18,7 +18,7 @@ from configparser import Error as ConfigError
 from pathlib import Path
 from zipfile import BadZipFile, ZipFile, is_zipfile
 
-from sistap.commands.imports.source import Told
+from sistap.commands.imports.source import Stated
 from sistap.commands.imports.wave import HEAD, Wave
 from sistap.tap.analyser.finding import BAUDS
 from sistap.tap.analyser.probe import hertz
@@ -44,21 +44,21 @@ def is_session(path: Path) -> bool:
         return False
 
 
-def read(path: Path, told: Told) -> Wave:
+def read(path: Path, stated: Stated) -> Wave:
     """Read a session. May raise UsageError."""
     try:
         with ZipFile(path) as archive:
             reader = _dsview if _is_dsview(archive) else _sigrok
-            return _wave(path, *reader(archive, path, told), told)
+            return _wave(path, *reader(archive, path, stated), stated)
     except (BadZipFile, OSError, EOFError, NotImplementedError, RuntimeError, zlib.error) as error:
         raise UsageError(f"{path} cannot be read ({error}): save it again") from None
     except (ConfigError, KeyError, ValueError) as error:
         raise UsageError(f"{path} is no session with samples of logic ({error})") from None
 
 
-def _wave(path: Path, samplerate: int, names: Sequence[str], samples: _Samples, told: Told) -> Wave:
+def _wave(path: Path, samplerate: int, names: Sequence[str], samples: _Samples, stated: Stated) -> Wave:
     """Find the edges. Of a channel that is too fast for a serial line, only the beginning counts."""
-    fastest = min(max(BAUDS[-1], told.baud or 0) / samplerate, 1 / FEWEST_SAMPLES)  # edges in a sample
+    fastest = min(max(BAUDS[-1], stated.baud or 0) / samplerate, 1 / FEWEST_SAMPLES)  # edges in a sample
     edges = {name: Edges() for name in names}
     channels = {name: array("q") for name in names}
     too_fast = set()
@@ -85,12 +85,12 @@ def _described(archive: ZipFile, text: str, section: str) -> SectionProxy:
     return config[section]
 
 
-def _samplerate(said: SectionProxy, path: Path, told: Told) -> int:
+def _samplerate(said: SectionProxy, path: Path, stated: Stated) -> int:
     if rate := said.get("samplerate"):
         return hertz(rate)
-    if not told.samplerate:
+    if not stated.samplerate:
         raise UsageError(f"{path} does not say how many samples a second has: add --samplerate HZ")
-    return told.samplerate
+    return stated.samplerate
 
 
 def _probes(said: SectionProxy) -> dict[int, str]:
@@ -111,9 +111,9 @@ def _pieces(archive: ZipFile, parts: Sequence[str]) -> Iterator[bytes]:
                 yield piece
 
 
-def _sigrok(archive: ZipFile, path: Path, told: Told) -> tuple[int, list[str], _Samples]:
+def _sigrok(archive: ZipFile, path: Path, stated: Stated) -> tuple[int, list[str], _Samples]:
     said = _described(archive, "metadata", "device 1")
-    size, samplerate = int(said.get("unitsize", "1")), _samplerate(said, path, told)
+    size, samplerate = int(said.get("unitsize", "1")), _samplerate(said, path, stated)
     begin = said.get("capturefile", "logic-1")
     parts = _parts(archive, f"{begin}-") or [name for name in archive.namelist() if name == begin]
     places = {name: divmod(number - 1, 8) for number, name in _probes(said).items() if 0 < number <= 8 * size}
@@ -138,7 +138,7 @@ def _is_dsview(archive: ZipFile) -> bool:
     return "header" in names and any(re.fullmatch(r"L-\d+/\d+", name) for name in names)
 
 
-def _dsview(archive: ZipFile, path: Path, told: Told) -> tuple[int, list[str], _Samples]:
+def _dsview(archive: ZipFile, path: Path, stated: Stated) -> tuple[int, list[str], _Samples]:
     said = _described(archive, "header", "header")
     parts = {name: _parts(archive, f"L-{number}/") for number, name in _probes(said).items()}
 
@@ -147,4 +147,4 @@ def _dsview(archive: ZipFile, path: Path, told: Told) -> tuple[int, list[str], _
             for piece in _pieces(archive, files):
                 yield name, b"".join(map(_EIGHT.__getitem__, piece))
 
-    return _samplerate(said, path, told), list(parts), samples()
+    return _samplerate(said, path, stated), list(parts), samples()

@@ -15,7 +15,7 @@ NS = 1_000_000_000
 SHARED, RECEIVED, SENT = 0, 1, 2  # lines: the only one, or the two directions
 
 
-class Told(NamedTuple):
+class Stated(NamedTuple):
     """What the user states because the file may not; None: nothing."""
 
     baud: int | None = None

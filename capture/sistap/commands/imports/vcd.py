@@ -8,7 +8,7 @@ from array import array
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from sistap.commands.imports.source import Told, lines
+from sistap.commands.imports.source import Stated, lines
 from sistap.commands.imports.wave import NO_END, Wave
 from sistap.tap.analyser.probe import hertz
 from sistap.tap.terminal.exits import UsageError
@@ -22,7 +22,7 @@ def is_dump(head: str) -> bool:
     return re.match(r"\$(date|version|comment|timescale|scope|var)\b", head) is not None
 
 
-def read(path: Path, told: Told) -> Wave:
+def read(path: Path, stated: Stated) -> Wave:
     """Read a dump: its signals of one bit. May raise UsageError."""
     words = (word for line in lines(path) for word in line.split())
     try:

@@ -38,17 +38,6 @@ exit status:
 OF_PACKAGE = Path("/usr/share/sistap")
 
 
-def _package() -> str:
-    """Return how to remove what runs, if it is of a package of this system."""
-    return as_typed(advice().package) if Path(__file__).is_relative_to(OF_PACKAGE) else ""
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
-
-
 def run(args: argparse.Namespace) -> int:
     """Remove; print a line for each file; return the exit code."""
     console = Console()
@@ -66,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
         if removed:
             programs.forget()
             measurement.forget()
-        if package := _package():
+        if Path(__file__).is_relative_to(OF_PACKAGE) and (package := as_typed(advice().package)):
             print(package)
     except (TsharkError, folders.FoldersError) as error:
         console.say(f"nothing is removed, as only tshark knows which folders are Wireshark's: {error}")

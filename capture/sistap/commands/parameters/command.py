@@ -7,9 +7,9 @@ import argparse
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from sistap.commands.parameters import against, user_table, wide, writing
+from sistap.commands.parameters import against, wide, writing
 from sistap.commands.parameters.backup import LATIN_1, Damaged, Drive, drives, is_station
-from sistap.commands.parameters.reading import Found, found
+from sistap.commands.parameters.reading import FoundAccess, found
 from sistap.dissected.accesses.listing import MOST, Listing
 from sistap.dissected.captures.joining import check_captures
 from sistap.dissected.wireshark.rows import NotACapture
@@ -59,8 +59,6 @@ exit status:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("captures", metavar="CAPTURE", type=Path, nargs="*", help="a capture that contains SIS")
     parser.add_argument("--from", dest="backup", metavar="PAR", type=Path, help="make Wireshark's table from a backup")
     parser.add_argument("--against", metavar="PAR", type=Path, help="list what differs from a backup, instead")
@@ -96,7 +94,7 @@ def _write_table(args: argparse.Namespace, console: Console) -> None:
     unreadable: list[str] = []
     saved = _stations(args, drives(args.backup, unreadable.append), console)
     with opened(args.output, [args.backup], force=args.force) as file:
-        file.writelines(f"{line}\n".encode() for station, drive in saved for line in user_table.lines(drive, station))
+        file.writelines(f"{line}\n".encode() for station, drive in saved for line in writing.user_table(drive, station))
     if unreadable:
         more = f", and so are {len(unreadable) - 1} more values" if len(unreadable) > 1 else ""
         console.say(f"{unreadable[0]}{more}; the table is complete, because it needs no values")
@@ -146,11 +144,11 @@ def _check(args: argparse.Namespace, console: Console) -> None:
     args.captures = check_captures(args.captures, console.say, args.output)
 
 
-def _lines(args: argparse.Namespace, accesses: Iterable[Found], console: Console) -> Iterator[str]:
+def _lines(args: argparse.Namespace, accesses: Iterable[FoundAccess], console: Console) -> Iterator[str]:
     listing = Listing()
     several_files = len(args.captures) > 1
     if args.changes and args.csv:
-        yield writing.csv_head_of_changes()
+        yield writing.csv_line(writing.CSV_CHANGES)
     for place, access in accesses:
         change = listing.add(place, access)
         if change and args.changes:

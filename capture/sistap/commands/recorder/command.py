@@ -12,10 +12,9 @@ from pathlib import Path
 
 from sistap.commands.recorder import retention
 from sistap.commands.recorder.keeper import Around
-from sistap.commands.recorder.reasons import FAULTS, FILTERS, NOTHING
+from sistap.commands.recorder.reasons import FAULTS, FILTERS, NOTHING, judges
 from sistap.commands.recorder.recorder import Recorder, Wanted
-from sistap.commands.recorder.values import Values
-from sistap.commands.recorder.watching import judges
+from sistap.commands.recorder.values import ValueLines
 from sistap.dissected.episodes.live import LIVE
 from sistap.dissected.episodes.options import add_rule
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
@@ -77,8 +76,6 @@ exit status:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add_line_arguments(parser)
     add("-w", dest="folder", action=Once, metavar="FOLDER", help="the folder for the files; it is made if necessary")
@@ -158,7 +155,7 @@ def _record(args: argparse.Namespace, console: Console) -> int:
         raise UsageError(f"--keep {NOTHING} {alone}")
     if args.values not in (None, STANDARD_OUTPUT):
         raise UsageError(f"--values {args.values}: it is - alone, for Telegraf, or `| mosquitto_pub -l ...` behind it")
-    values = Values() if args.values else None
+    values = ValueLines() if args.values else None
     with Tshark() as tshark:
         deciding = judges(tshark, args.keep or [FAULTS], args.thresholds, values)
     _make(folder)
@@ -169,7 +166,7 @@ def _record(args: argparse.Namespace, console: Console) -> int:
     return started(replace(options, ring=ring), console, _opener(wanted, values, has_ring=bool(ring)))
 
 
-def _opener(wanted: Wanted, values: Values | None, *, has_ring: bool) -> Opener:
+def _opener(wanted: Wanted, values: ValueLines | None, *, has_ring: bool) -> Opener:
     @contextmanager
     def opened(
         interfaces: Mapping[int, Interface], output: Output, counters: Counters, console: Audience

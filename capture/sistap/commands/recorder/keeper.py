@@ -24,7 +24,7 @@ class Around(NamedTuple):
     after_ns: int
 
 
-class File(Protocol):
+class KeptFile(Protocol):
     """A file that is being written."""
 
     def write(self, block: bytes) -> None:
@@ -44,7 +44,7 @@ class Beginning(NamedTuple):
     reason: str
 
 
-Begin = Callable[[Beginning], File]
+Begin = Callable[[Beginning], KeptFile]
 
 
 class Keeper:
@@ -59,7 +59,7 @@ class Keeper:
         self._say = say
         self._waiting: deque[Entry] = deque()  # they may precede a record that matters
         self._waiting_bytes = 0
-        self._file: File | None = None
+        self._file: KeptFile | None = None
         self._size = 0  # of the file
         self._reason = ""  # the last one
         self._reasons: dict[str, None] = {}  # all of the file

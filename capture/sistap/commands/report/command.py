@@ -14,7 +14,7 @@ from sistap.commands.report import plain, windows
 from sistap.commands.report.gather import Report, gather, learned
 from sistap.commands.report.page import page
 from sistap.commands.report.plots import drawings
-from sistap.commands.report.windows import Window
+from sistap.commands.report.windows import ReportWindow
 from sistap.dissected.captures import portions, since
 from sistap.dissected.captures.joining import check_captures, in_order
 from sistap.dissected.captures.reading import NotCaptured
@@ -57,7 +57,7 @@ exit status:
 """
 
 
-class Format(NamedTuple):
+class OutputFormat(NamedTuple):
     """A way to write a report."""
 
     write: Callable[[Report, str, str], bytes]  # report, title, note
@@ -66,17 +66,17 @@ class Format(NamedTuple):
 
 
 FORMATS = {
-    "html": Format(lambda report, title, note: page(report, title, note).encode()),
-    "svg": Format(lambda report, title, note: stacked(report.name, drawings(report)).encode()),
-    "json": Format(lambda report, title, note: plain.as_json(report).encode(), is_file=False),
-    "text": Format(
+    "html": OutputFormat(lambda report, title, note: page(report, title, note).encode()),
+    "svg": OutputFormat(lambda report, title, note: stacked(report.name, drawings(report)).encode()),
+    "json": OutputFormat(lambda report, title, note: plain.as_json(report).encode(), is_file=False),
+    "text": OutputFormat(
         lambda report, title, note: plain.as_text(report, title, note).encode(), is_file=False, has_windows=False
     ),
 }
 _ENDINGS = {"htm": "html", "txt": "text"} | {name: name for name in FORMATS}
 
 
-def _window(text: str) -> Window:
+def _window(text: str) -> ReportWindow:
     try:
         return windows.parse(text)
     except ValueError as error:
@@ -97,8 +97,6 @@ def _heading(text: str) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument(
         "captures",
         metavar="CAPTURE",

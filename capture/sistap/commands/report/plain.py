@@ -8,11 +8,11 @@ import textwrap
 from typing import Any
 
 from sistap.commands.report import tables
-from sistap.commands.report.figures import Figures, Limit, Station
+from sistap.commands.report.figures import Figures, Limit, StationFigures
 from sistap.commands.report.gather import Report
 from sistap.commands.report.pauses import Pause, Talker
 from sistap.commands.report.unjudged import unjudged
-from sistap.commands.report.windows import Window
+from sistap.commands.report.windows import ReportWindow
 from sistap.dissected.accesses.listing import Listed
 from sistap.dissected.episodes.lines import things
 from sistap.dissected.episodes.rules import Severity
@@ -49,7 +49,7 @@ def as_text(report: Report, title: str = "", note: str = "") -> str:
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _table(table: tables.Table) -> str:
+def _table(table: tables.ReportTable) -> str:
     if not table.rows:
         return ""
     rows = [table.heads, *table.rows] if table.heads else table.rows
@@ -187,7 +187,7 @@ def _pause(talker: Talker, pause: Pause) -> dict[str, Any]:
     }
 
 
-def _station(address: int, station: Station) -> dict[str, Any]:
+def _station(address: int, station: StationFigures) -> dict[str, Any]:
     return {
         "station": address,
         "commands": station.commands,
@@ -213,7 +213,7 @@ def _parameter(listed: Listed) -> dict[str, Any]:
     }
 
 
-def _window(window: Window) -> dict[str, Any]:
+def _window(window: ReportWindow) -> dict[str, Any]:
     return {
         "title": window.title,
         "start_s": window.start_s,

@@ -109,7 +109,7 @@ class _Both:
         return None
 
 
-class _Sink:
+class _PageSink:
     """A capture whose blocks the page takes away, and the last records."""
 
     def __init__(self, stream: Stream, interfaces: dict[int, Interface], counters: Counters, system: str) -> None:
@@ -158,7 +158,7 @@ class Listening:
         self._readers = {reader.line: reader for reader in readers}
         self._counters, self._stream, self._console = Counters(), Stream(), _Console()
         interfaces = {reader.line: _interface(reader, is_auto=is_auto) for reader in readers}
-        self._sink = _Sink(self._stream, interfaces, self._counters, wanted["system"])
+        self._sink = _PageSink(self._stream, interfaces, self._counters, wanted["system"])
         formats = FORMATS if is_auto else ()
         conditions = Conditions(formats=formats, follow=True)
         self._capture = Capture(readers, self._sink, self._stream, self._counters, self._console, conditions)

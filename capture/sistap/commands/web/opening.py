@@ -9,9 +9,9 @@ from pathlib import Path
 
 from sistap.commands.annotate import annotating, sources
 from sistap.commands.annotate.annotating import Passage
-from sistap.commands.annotate.cutting import Part
+from sistap.commands.annotate.cutting import PiecePart
 from sistap.commands.annotate.pattern import PatternReader, TooSlow
-from sistap.commands.annotate.sources import Source, SourceError
+from sistap.commands.annotate.sources import LogSource, SourceError
 from sistap.commands.annotate.spool import Spool
 from sistap.commands.annotate.troubles import Troubles
 from sistap.commands.imports.formats import known
@@ -21,7 +21,7 @@ from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.exits import UsageError
 
 
-class Log:
+class OpenedLog:
     """A log that was read."""
 
     def __init__(self, said: list[str], unread: list[str]) -> None:
@@ -30,7 +30,7 @@ class Log:
         self.said = said  # of the whole log
         self.unread = unread  # lines that could not be read, and why
 
-    def add(self, parts: Iterable[Part]) -> None:
+    def add(self, parts: Iterable[PiecePart]) -> None:
         """Note where the bytes of a packet stand."""
         places = []
         for piece, first, end in parts:
@@ -45,7 +45,7 @@ def is_import(name: str) -> bool:
 
 
 def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], None]) -> str:
-    """Write a log as a capture; its packets are an event, then the telegrams. Return a Log as JSON. May raise
+    """Write a log as a capture; its packets are an event, then the telegrams. Return an OpenedLog as JSON. May raise
     UsageError.
     """
     log = Path(name)
@@ -61,7 +61,7 @@ def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], 
             if not passage.telegrams:
                 raise UsageError(_nothing(log, passage))
             troubles.end()
-            found = Log(_remarks(source), unread)
+            found = OpenedLog(_remarks(source), unread)
             for batch in spool.batches(lambda part: progress(0.5 + part / 2)):
                 for line, _, complete in batch:
                     if line:
@@ -82,7 +82,7 @@ def _refuse_backup(log: Path) -> None:
             )
 
 
-def _remarks(source: Source) -> list[str]:
+def _remarks(source: LogSource) -> list[str]:
     if source.is_raw:
         return ["It is no text: its bytes are read as they are, without times and directions."]
     return [f"bytes: {source.reader.notation}"] if source.reader.notation else []

@@ -93,7 +93,7 @@ def alone(capture: Path) -> str:
     return f"{capture} cannot be read with others: open it in Wireshark and save it as pcapng"
 
 
-class _Part(NamedTuple):
+class _JoinedCapture(NamedTuple):
     """A capture in a joined one."""
 
     first: int  # number of its first packet
@@ -104,7 +104,7 @@ class Joined(NamedTuple):
     """A file with the packets of one or several captures."""
 
     path: Path
-    parts: Sequence[_Part]
+    parts: Sequence[_JoinedCapture]
 
     def place(self, number: int) -> tuple[Path, int]:
         """Return the capture of a packet, and its number there."""
@@ -128,7 +128,7 @@ def in_order(captures: Iterable[Path]) -> list[Path]:
 def together(captures: Sequence[Path], say: Callable[[str], None]) -> Iterator[Joined]:
     """Join captures; a single one stays as it is. Report damage. Raise NotCaptured for a foreign one."""
     if len(captures) == 1:
-        yield Joined(captures[0], [_Part(1, captures[0])])
+        yield Joined(captures[0], [_JoinedCapture(1, captures[0])])
     else:
         with joined(captures, say) as one:
             yield one
@@ -158,9 +158,9 @@ class _Joining:
         self._packets = 0
         self._interfaces: dict[bytes, int] = {}
 
-    def add(self, capture: Path, say: Callable[[str], None]) -> _Part:
+    def add(self, capture: Path, say: Callable[[str], None]) -> _JoinedCapture:
         """Append the packets of a capture; report where it is damaged. Raise NotCaptured if it is foreign."""
-        part = _Part(self._packets + 1, capture)
+        part = _JoinedCapture(self._packets + 1, capture)
         try:
             damage = self._append(capture)
         except OSError as error:  # also if a recorder has deleted it by now

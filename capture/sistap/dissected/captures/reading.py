@@ -44,7 +44,7 @@ class Block(NamedTuple):
     body: bytes
 
 
-class Packet(NamedTuple):
+class RawPacket(NamedTuple):
     """A packet of a file."""
 
     link_type: int
@@ -102,7 +102,7 @@ def records(path: Path, say: Say = lambda _: None) -> Iterator[Record]:
         )
 
 
-def record_of(packet: Packet) -> Record | None:
+def record_of(packet: RawPacket) -> Record | None:
     """Return the record in a packet; None if it has none. ValueError or IndexError if the record is damaged."""
     if packet.link_type != pcapng.LINKTYPE_WIRESHARK_UPPER_PDU or packet.time_ns is None:
         return None
@@ -110,7 +110,7 @@ def record_of(packet: Packet) -> Record | None:
     return None if payload is None else record.unpack(payload, packet.time_ns)
 
 
-def packets(path: Path, say: Say = lambda _: None) -> Iterator[Packet]:
+def packets(path: Path, say: Say = lambda _: None) -> Iterator[RawPacket]:
     """Yield all packets of interfaces that the file describes. Raise OSError or NotCaptured."""
     with opened(path) as file:
         interfaces: list[_Interface] = []
@@ -123,7 +123,9 @@ def packets(path: Path, say: Say = lambda _: None) -> Iterator[Packet]:
                 number, high, low, length = struct.unpack_from(f"{order}IIII", body)
                 if number < len(interfaces):
                     link_type, decimals, description = interfaces[number]
-                    yield Packet(link_type, _time_ns(high << 32 | low, decimals), body[20 : 20 + length], description)
+                    yield RawPacket(
+                        link_type, _time_ns(high << 32 | low, decimals), body[20 : 20 + length], description
+                    )
 
 
 def opened(path: Path) -> BinaryIO:

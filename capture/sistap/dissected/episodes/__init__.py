@@ -14,7 +14,7 @@ A packet goes through all lookers of its bus (engine):
 
 Each yields hits. Hits of one kind, station and topic that follow one another are an episode (episode, book). At the end
 `folding` tells together what belongs together, and weighs what is bad only in numbers. `lines` makes the five lines,
-`live` tells it while it happens, `baseline` beside a good capture. The table of kinds (rules) is the only place that
+`live` tells it while it happens, `values` beside a good capture. The table of kinds (rules) is the only place that
 says how bad each is, and what to do; the tables of `folding` say what explains what. It may use packets.
 
 A new kind needs a row in RULES, a looker that yields its hits, and its words in `lines`.

@@ -219,7 +219,7 @@ def _of_service(packet: Packet, telegram: Telegram) -> Hit:
     return hit_of(kind, packet, telegram.talker, what, topic=what)
 
 
-class Unreadable:
+class UnreadableLine:
     """A bus on which nearly nothing is a telegram."""
 
     def __init__(self) -> None:

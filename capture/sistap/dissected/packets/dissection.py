@@ -217,7 +217,7 @@ class Packet:
 
 
 @dataclass
-class _Part:
+class _CaptureInTurn:
     """A capture among those that are read as one."""
 
     before: int  # packets of those before it
@@ -268,7 +268,7 @@ class Dissection:
         self._zero_s: float | None = None  # where the seconds begin, since 1970; None: not yet reached
         self._known: Collection[str] = self._fields
         self._rows = _Rows((), ())
-        self._parts: list[_Part] = []
+        self._parts: list[_CaptureInTurn] = []
         self.warning = ""  # what tshark said at the end of captures that are cut off
 
     def __enter__(self) -> Dissection:
@@ -299,12 +299,12 @@ class Dissection:
     def _packets(self) -> Iterator[Packet]:
         number = 0
         for portion in self._captures:
-            self._parts.append(_Part(number - portion.told))
+            self._parts.append(_CaptureInTurn(number - portion.told))
             for packet in self._of_part(portion.path, self._parts[-1]):
                 number = packet.number
                 yield packet
 
-    def _of_part(self, capture: Path, part: _Part) -> Iterator[Packet]:
+    def _of_part(self, capture: Path, part: _CaptureInTurn) -> Iterator[Packet]:
         came = False
         try:
             for line in self._lines(capture):

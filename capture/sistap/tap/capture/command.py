@@ -200,8 +200,6 @@ def add_end_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add_line_arguments(parser)
     add(

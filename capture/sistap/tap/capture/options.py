@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 from sistap.tap.capture.filter import Filter
 from sistap.tap.capture.rate import AUTO, FORMATS
-from sistap.tap.files.output import Limits
+from sistap.tap.files.output import FileLimits
 from sistap.tap.files.pcapng import RTAC, UPPER_PDU
 from sistap.tap.line import ports
 from sistap.tap.line.settings import LineSettings
@@ -68,11 +68,11 @@ class CaptureOptions:
         return self.file or STANDARD_OUTPUT
 
     @property
-    def limits(self) -> Limits:
+    def limits(self) -> FileLimits:
         """Return the limits of the files: -w, -a and -b mean what they mean in dumpcap. May raise UsageError."""
         _check_limits(self)
         size = _size(self)
-        return Limits(
+        return FileLimits(
             size=int(size) * 1000 if size else None,
             duration_s=self.ring.get("duration"),
             several=bool(self.ring),

@@ -80,7 +80,7 @@ class Destination(Sink, Protocol):
 Opener = Callable[[Interfaces, Output, Counters, Audience], AbstractContextManager[Destination]]
 
 
-class _File(PcapngWriter):
+class _CountingFile(PcapngWriter):
     """A file that counts the records in it."""
 
     def __init__(self, output: Output, interfaces: Interfaces, counters: Counters) -> None:
@@ -104,7 +104,7 @@ class _File(PcapngWriter):
 
 @contextmanager
 def _file(interfaces: Interfaces, output: Output, counters: Counters, _: Audience) -> Iterator[Destination]:
-    yield _File(output, interfaces, counters)
+    yield _CountingFile(output, interfaces, counters)
 
 
 @contextmanager

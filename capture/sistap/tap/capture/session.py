@@ -11,7 +11,7 @@ from dataclasses import replace
 import sistap
 from sistap.tap.capture.hints import Exactness
 from sistap.tap.capture.rate import FORMATS, Steering, Step
-from sistap.tap.capture.tap import EVERYTHING, Conditions, Sink, Tap
+from sistap.tap.capture.tap import EVERYTHING, Conditions, Sink, Tapping
 from sistap.tap.files.output import Output, OutputError, ReaderGone
 from sistap.tap.line.clock import monotonic_ns
 from sistap.tap.line.reader import Exact, Measuring, PortError, PortLost, Reader, Several, Source, together
@@ -64,7 +64,7 @@ class Capture:
         self._readers = list(readers)  # those whose ports are not lost
         self._reopen = reopen
         self._lost: dict[Reader, int] = {}  # they may come back; the time of each loss
-        self._tap = Tap(readers, sink, counters, clock_ns, conditions)
+        self._tap = Tapping(readers, sink, counters, clock_ns, conditions)
         self._exactness: dict[int, Exactness] = {}  # of each line
         self._steering = self._steering_of(readers[0].settings)
         self._steps: list[Step] = []  # not done yet

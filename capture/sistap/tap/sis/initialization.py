@@ -98,7 +98,7 @@ _GOOD = 0x00
 _MS = 1_000_000
 
 
-class Change(NamedTuple):
+class RateChange(NamedTuple):
     """The new rate of the bus, in Bd, and the reason."""
 
     baud: int
@@ -114,7 +114,7 @@ class Follow:
         self._command: Header | None = None  # a command of this service to one station, not answered yet
         self._test_end_ns: int | None = None
 
-    def take(self, data: bytes, end_ns: int) -> Change | None:
+    def take(self, data: bytes, end_ns: int) -> RateChange | None:
         """Take a good telegram, whose last character came at `end_ns`; return what it changes."""
         header = telegram.parse(data)
         command, self._command = self._command, None
@@ -129,19 +129,19 @@ class Follow:
             return self._obeyed(command, end_ns)
         return None
 
-    def due(self, now_ns: int) -> Change | None:
+    def due(self, now_ns: int) -> RateChange | None:
         """Return a change that is due by time."""
         if self._test_end_ns is None or now_ns < self._test_end_ns:
             return None
         self._test_end_ns = None
-        return Change(self._valid, "the timed test is over")
+        return RateChange(self._valid, "the timed test is over")
 
     @property
     def due_ns(self) -> int | None:
         """Return the time of the next change by time."""
         return self._test_end_ns
 
-    def _take_command(self, header: Header, end_ns: int) -> Change | None:
+    def _take_command(self, header: Header, end_ns: int) -> RateChange | None:
         said = certain(header.body)
         # A station that accepts already answers at the new rate.
         if header.receiver == BROADCAST or any(setting.subservice == ACCEPT for setting in said):
@@ -149,12 +149,12 @@ class Follow:
         self._command = header
         return None
 
-    def _obeyed(self, command: Header, end_ns: int) -> Change | None:
+    def _obeyed(self, command: Header, end_ns: int) -> RateChange | None:
         """Take what a station has confirmed, or all were told; of several changes the last one counts."""
         changes = [self._do(setting, command, end_ns) for setting in certain(command.body)]
         return next(filter(None, reversed(changes)), None)
 
-    def _do(self, setting: Setting, command: Header, end_ns: int) -> Change | None:
+    def _do(self, setting: Setting, command: Header, end_ns: int) -> RateChange | None:
         data = setting.data
         if setting.subservice == SET_RATE:
             self._set.pop(command.receiver, None)
@@ -166,7 +166,7 @@ class Follow:
             return self._accepted(command)
         return None
 
-    def _accepted(self, command: Header) -> Change | None:
+    def _accepted(self, command: Header) -> RateChange | None:
         everyone = command.receiver == BROADCAST
         told = [baud for whom, baud in self._set.items() if everyone or whom in (command.receiver, BROADCAST)]
         if not told:
@@ -176,13 +176,13 @@ class Follow:
         else:
             self._set.pop(command.receiver, None)
         self._valid, self._test_end_ns = told[-1], None
-        return Change(self._valid, f"{command.sender} let {_whom(command)} accept {self._valid} Bd")
+        return RateChange(self._valid, f"{command.sender} let {_whom(command)} accept {self._valid} Bd")
 
-    def _tested(self, command: Header, duration_ms: int, baud: int | None, end_ns: int) -> Change | None:
+    def _tested(self, command: Header, duration_ms: int, baud: int | None, end_ns: int) -> RateChange | None:
         if baud is None or not duration_ms:
             return None
         self._test_end_ns = end_ns + duration_ms * _MS
-        return Change(baud, f"{command.sender} lets {_whom(command)} test {baud} Bd for {duration_ms} ms")
+        return RateChange(baud, f"{command.sender} lets {_whom(command)} test {baud} Bd for {duration_ms} ms")
 
 
 def _whom(command: Header) -> str:
