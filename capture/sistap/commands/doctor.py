@@ -16,7 +16,7 @@ from typing import NamedTuple
 from sistap.dissected.wireshark import folders, profile
 from sistap.dissected.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
 from sistap.tap.analyser import probe
-from sistap.tap.capture.filter import Filter, FilterError
+from sistap.tap.capture.filter import Filter
 from sistap.tap.common.packages import missing
 from sistap.tap.line import drivers, measurement, others, ports, priority
 from sistap.tap.line.others import Others
@@ -25,7 +25,7 @@ from sistap.tap.line.settings import LineSettings
 from sistap.tap.terminal import programs
 from sistap.tap.terminal.advice import advice
 from sistap.tap.terminal.console import visible
-from sistap.tap.terminal.exits import DONE, FAILED, PORT
+from sistap.tap.terminal.exits import DONE, FAILED, PORT, Refusal
 from sistap.tap.terminal.rights import as_typed
 from sistap.tap.terminal.state import is_root
 
@@ -241,7 +241,7 @@ def _libpcap() -> Iterator[Point]:
     try:
         Filter("link[5] == 0x10")
         yield Point("good", "libpcap", "capture filters work (-f)")
-    except FilterError as error:
+    except Refusal as error:
         yield Point("poor", "libpcap", str(error))
 
 
@@ -256,7 +256,7 @@ def _wireshark() -> Iterator[Point]:
         return
     yield _plugin(done.stdout, done.stderr)
     if not is_root():  # for whom tshark runs as somebody else
-        with suppress(folders.FoldersError, OSError):
+        with suppress(TsharkError, OSError):
             own, everybodys = (folders.parse(named, for_all=for_all).profiles for for_all in (False, True))
             yield _profile(own / profile.NAME, everybodys / profile.NAME)
 

@@ -41,7 +41,7 @@ class Spool:
         self._blobs.__exit__(*error)
 
     def put(self, entries: Iterable[tuple[LogLine | None, list[Piece], list[LogRecord]]]) -> None:
-        """Keep a batch: lines with their pieces, and the records that they complete. Incomplete if there is no room."""
+        """Keep a batch: lines with their pieces, and the records that they complete. Refusal if there is no room."""
         self._blobs.put(pickle.dumps([_packed(*entry) for entry in entries], pickle.HIGHEST_PROTOCOL))
 
     def batches(self, progress: Callable[[float], None]) -> Iterator[list[Entry]]:

@@ -55,7 +55,7 @@ Judge = ByEpisodes | ByFilter
 
 
 def judges(tshark: Tshark, keep: Sequence[str], thresholds: Thresholds, values: Values | None = None) -> list[Judge]:
-    """Return who decides: one for each value of --keep; and who gives `values` all values. UsageError; TsharkError
+    """Return who decides: one for each value of --keep; and who gives `values` all values. Refusal
     without a dissector for SIS.
     """
     keeps = FAULTS in keep
