@@ -21,7 +21,7 @@ from sistap.tap.common.packages import missing
 from sistap.tap.line import drivers, measurement, others, ports, priority
 from sistap.tap.line.others import Others
 from sistap.tap.line.reader import PortError, open_reader
-from sistap.tap.line.settings import LineSettings
+from sistap.tap.line.settings import LineSettings, in_ms
 from sistap.tap.terminal import programs
 from sistap.tap.terminal.advice import advice
 from sistap.tap.terminal.console import visible
@@ -230,7 +230,7 @@ def _clock() -> Iterator[Point]:
     results, trouble = measurement.load()
     result, misfit = measurement.fitting(results, measurement.MACHINE, measurement.conditions())
     if result:
-        text = f"of {result.date}: 99.9 % of {result.characters} characters within {result.p999_ns / 1e6:.2f} ms"
+        text = f"of {result.date}: 99.9 % of {result.characters} characters within {in_ms(result.p999_ns)}"
         yield Point("good", "self-test", text)
     else:
         cure = "none: `sistap selftest` measures how exact the times are; until then, a capture measures when it starts"
