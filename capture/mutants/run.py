@@ -172,14 +172,14 @@ def _by_itself(one: Chosen, seed: int) -> bytes:
     return hashlib.sha256(f"{seed} {Path(one.part.module).name} {one.mutant.key(one.source)}".encode()).digest()
 
 
-def usual_times(copy: Copy, parts: set[Part]) -> dict[Part, float]:
+def usual_times(copy: Copy, parts: Iterable[Part]) -> dict[tuple[str, ...], float]:
     """Run the tests of each part without a fault; return how long they take. Raise Broken if they fail."""
     times = {}
-    for part in sorted(parts):
+    for tests, part in sorted({part.tests: part for part in parts}.items()):
         begun = time.monotonic()
         if code := copy.run(part, compiled=True):
-            raise Broken(f"pytest ends with {code} for {' '.join(part.tests)} without any fault: make them pass first")
-        times[part] = time.monotonic() - begun
+            raise Broken(f"pytest ends with {code} for {' '.join(tests)} without any fault: make them pass first")
+        times[tests] = time.monotonic() - begun
     return times
 
 
@@ -197,7 +197,7 @@ def fate(copy: Copy, chosen: Chosen, usual_s: float) -> Fate:
 def fates(all_chosen: list[Chosen], folder: Path, workers: int) -> Counter[Fate]:
     """Try all mutants, with as many workers; print those that no test catches, and count all."""
     first = Copy(folder / "0")
-    times = usual_times(first, {chosen.part for chosen in all_chosen})
+    times = usual_times(first, [chosen.part for chosen in all_chosen])
     copies = [first, *(Copy(folder / str(number), first.capture) for number in range(1, workers))]
     free: queue.SimpleQueue[Copy] = queue.SimpleQueue()
     for copy in copies:
@@ -206,7 +206,7 @@ def fates(all_chosen: list[Chosen], folder: Path, workers: int) -> Counter[Fate]
     def try_one(chosen: Chosen) -> Fate:
         copy = free.get()
         try:
-            found = fate(copy, chosen, times[chosen.part])
+            found = fate(copy, chosen, times[chosen.part.tests])
         finally:
             free.put(copy)
         if found is Fate.NOT_CAUGHT:
