@@ -28,6 +28,7 @@ proto_register_sis(void)
     sertap_register();
     sertap_line_register();
     sis_address_register();
+    sis_asked_register();
     sis_parameters_register();
     sis_packet_register();
     sis_routes_register();
@@ -38,7 +39,6 @@ proto_register_sis(void)
     synax_synaxpk_register();
     rk512i_register();
     rk512_3964r_register();
-    synax_synaxobj_register();
     synax_synaxpcp_register();
     synax_synaxpd_register();
     sisascii_register();

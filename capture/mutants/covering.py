@@ -17,9 +17,21 @@ class Part(NamedTuple):
 # The part of a capture through which reads go.
 PASSING = ("_loop", "_take_waiting", "_take", "_idle")
 
-EPISODES = ("test_kinds.py", "test_small_cases.py")
+# Each room has a file of tests that say what a person would see; they need no tshark.
+EPISODES = ("test_verdicts.py", "test_small_cases.py", "test_kinds.py")
+PACKETS = ("test_packet_columns.py", "test_figures.py", "test_report_distribution.py")
+REPORT = ("test_figures.py",)
+PARAMETERS = ("test_backup.py", "test_writing.py")
+STATIONS = ("test_stations.py",)
+PLAYING = ("test_answering.py",)
 
-PARTS = (
+
+def room(folder: str, names: str, tests: tuple[str, ...]) -> tuple[Part, ...]:
+    """Return modules of a folder that the same tests cover."""
+    return tuple(Part(f"{folder}/{name}.py", tests) for name in names.split())
+
+
+TAP = (
     Part("sistap/tap/records/framer.py", ("test_framer.py", "test_framer_ascii.py")),
     Part("sistap/tap/records/framer_3964r.py", ("test_framer_3964r.py",)),
     Part("sistap/tap/records/cut.py", ("test_framer_3964r.py",)),
@@ -35,16 +47,23 @@ PARTS = (
     Part("sistap/tap/line/measurement.py", ("test_measurement.py",)),
     Part("sistap/tap/line/reader/errors.py", ("test_reader_errors.py",)),
     Part("sistap/tap/line/reader/latency.py", ("test_measurement.py",)),
+)
+
+PARTS = (
+    *TAP,
     Part("sistap/dissected/episodes/readings.py", ("test_readings.py",)),
     Part("sistap/dissected/episodes/folding.py", ("test_folding.py",)),
-)
-# Their tests take several seconds: only by name.
-SLOW = (
     Part("sistap/dissected/episodes/lines.py", ("test_episode_lines.py", "test_small_cases.py")),
-    Part("sistap/dissected/episodes/live.py", ("test_live_episodes.py",)),
-    *(
-        Part(f"sistap/dissected/episodes/{name}.py", EPISODES)
-        for name in ("boots", "devices", "diagnoses", "faults", "machine", "masters", "paces", "silence", "states")
+    *room(
+        "sistap/dissected/episodes",
+        "baseline book boots devices diagnoses engine episode faults levels machine masters paces silence states trend "
+        "values writes",
+        EPISODES,
     ),
-    *(Part(f"sistap/dissected/episodes/{name}.py", EPISODES) for name in ("engine", "values", "writes")),
+    *room("sistap/dissected/packets", "apart dissection distribution", PACKETS),
+    *room("sistap/commands/report", "figures pauses tables unjudged windows", REPORT),
+    *room("sistap/commands/parameters", "against backup user_table wide writing", PARAMETERS),
+    *room("sistap/dissected/telegrams", "attribute interpreter values", ("test_telegrams.py", "test_backup.py")),
+    *room("sisbus/stations", "flash general initialization making sercos station", STATIONS),
+    *room("sisbus/playing", "characters conducting player", PLAYING),
 )

@@ -26,6 +26,11 @@ class Mutant(NamedTuple):
     line: int
     steps: tuple[Step, ...]  # from the module to the replaced node
     new: ast.AST
+    function: str  # in which it is
+
+    def key(self, source: str) -> str:
+        """Return what it is known by: its function, its line and the replacement. No code elsewhere changes that."""
+        return f"{self.function}: {source.splitlines()[self.line - 1].strip()} -> {ast.dump(self.new)}"
 
 
 def mutants(source: str, functions: Collection[str] = ()) -> list[Mutant]:
@@ -102,7 +107,7 @@ def _visit(node: ast.AST, steps: tuple[Step, ...], wanted: Collection[str], func
         for new in OPERATORS[type(node)](node):
             # A missing attribute of __init__ is always noticed.
             if not (function == "__init__" and isinstance(node, ast.Assign) and isinstance(new, ast.Pass)):
-                yield Mutant(node.lineno, steps, new)
+                yield Mutant(node.lineno, steps, new, function)
     for step, child in _children(node):
         yield from _visit(child, (*steps, step), wanted, function)
 

@@ -74,13 +74,16 @@ def unary(node: ast.UnaryOp) -> Iterator[ast.expr]:
 
 
 def constant(node: ast.Constant) -> Iterator[ast.expr]:
-    """Change a number by one, double or halve a fraction, swap True and False; texts are only messages and names."""
+    """Change a number by one, double or halve a fraction, swap True and False; texts are only messages and names.
+
+    Twice 0.0 is 0.0.
+    """
     if isinstance(node.value, bool):
         yield ast.Constant(not node.value)
     elif isinstance(node.value, int):
         yield ast.Constant(node.value + 1)
         yield ast.Constant(node.value - 1)
-    elif isinstance(node.value, float):
+    elif isinstance(node.value, float) and node.value:
         yield from _scaled(node.value)
 
 

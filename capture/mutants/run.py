@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import argparse
 import enum
+import hashlib
 import importlib.util
 import os
 import queue
-import random
 import secrets
 import shutil
 import signal
@@ -24,7 +24,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from covering import PARTS, SLOW, Part
+from covering import PARTS, Part
 from making import Mutant, difference, mutants, mutated
 
 DESCRIPTION = """\
@@ -43,6 +43,7 @@ HERE = Path(__file__).resolve().parent
 CAPTURE = HERE.parent
 GOAL, ENOUGH = 0.95, 0.90  # the goal of the project; below ENOUGH the exit code is 1, because a sample varies
 WORKERS = 2
+COUNT = 100
 PATIENCE, PATIENCE_S = 4, 15  # time limit: PATIENCE times as long as the tests without a fault, plus PATIENCE_S
 SURVIVED, INTERNAL = 0, 3  # exit codes of pytest; above the second: wrong usage, no tests
 
@@ -91,7 +92,18 @@ class Copy:
         `compiled`: keep the compiled Python files; those of a mutant must not stay.
         """
         tests = [f"tests/{name}" for name in part.tests]
-        options = ["-x", "-q", "-p", "quick", "-p", "no:cacheprovider", "--basetemp", str(self._temporary)]
+        options = [
+            "-x",
+            "-q",
+            "-m",
+            "not thorough and not style",
+            "-p",
+            "quick",
+            "-p",
+            "no:cacheprovider",
+            "--basetemp",
+            str(self._temporary),
+        ]
         process = subprocess.Popen(
             [sys.executable, "-m", "pytest", *options, *tests],
             cwd=self.capture,
@@ -133,33 +145,41 @@ class Copy:
             module.write_text(chosen.source)
 
 
-def choose(parts: Iterable[Part], count: int | None, seed: int) -> list[Chosen]:
-    """Choose that many mutants; all without a count."""
+def all_of(parts: Iterable[Part]) -> list[Chosen]:
+    """Return all mutants."""
     sources = {part: (CAPTURE / part.module).read_text() for part in parts}
-    every = [
+    return [
         Chosen(part, source, mutant) for part, source in sources.items() for mutant in mutants(source, part.functions)
     ]
-    return every if count is None else random.Random(seed).sample(every, min(count, len(every)))
 
 
 def named(names: list[str]) -> list[Chosen]:
-    """Return all mutants of modules, or of lines such as sistap/tap/records/framer.py:219."""
+    """Return all mutants of folders, of modules, or of lines such as sistap/tap/records/framer.py:219."""
     found = []
     for name in names:
         module, _, line = name.partition(":")
-        parts = [part for part in (*PARTS, *SLOW) if part.module.endswith(module)]
-        found += [one for one in choose(parts, None, 0) if line in ("", str(one.mutant.line))]
+        parts = [part for part in PARTS if module in part.module]
+        found += [one for one in all_of(parts) if line in ("", str(one.mutant.line))]
     return found
 
 
-def usual_times(copy: Copy, parts: set[Part]) -> dict[Part, float]:
+def sample(every: Iterable[Chosen], count: int, seed: int) -> list[Chosen]:
+    """Choose so many, by what each one is itself: a change of other code does not move the choice."""
+    return sorted(every, key=lambda one: _by_itself(one, seed))[:count]
+
+
+def _by_itself(one: Chosen, seed: int) -> bytes:
+    return hashlib.sha256(f"{seed} {Path(one.part.module).name} {one.mutant.key(one.source)}".encode()).digest()
+
+
+def usual_times(copy: Copy, parts: Iterable[Part]) -> dict[tuple[str, ...], float]:
     """Run the tests of each part without a fault; return how long they take. Raise Broken if they fail."""
     times = {}
-    for part in sorted(parts):
+    for tests, part in sorted({part.tests: part for part in parts}.items()):
         begun = time.monotonic()
         if code := copy.run(part, compiled=True):
-            raise Broken(f"pytest ends with {code} for {' '.join(part.tests)} without any fault: make them pass first")
-        times[part] = time.monotonic() - begun
+            raise Broken(f"pytest ends with {code} for {' '.join(tests)} without any fault: make them pass first")
+        times[tests] = time.monotonic() - begun
     return times
 
 
@@ -177,7 +197,7 @@ def fate(copy: Copy, chosen: Chosen, usual_s: float) -> Fate:
 def fates(all_chosen: list[Chosen], folder: Path, workers: int) -> Counter[Fate]:
     """Try all mutants, with as many workers; print those that no test catches, and count all."""
     first = Copy(folder / "0")
-    times = usual_times(first, {chosen.part for chosen in all_chosen})
+    times = usual_times(first, [chosen.part for chosen in all_chosen])
     copies = [first, *(Copy(folder / str(number), first.capture) for number in range(1, workers))]
     free: queue.SimpleQueue[Copy] = queue.SimpleQueue()
     for copy in copies:
@@ -186,7 +206,7 @@ def fates(all_chosen: list[Chosen], folder: Path, workers: int) -> Counter[Fate]
     def try_one(chosen: Chosen) -> Fate:
         copy = free.get()
         try:
-            found = fate(copy, chosen, times[chosen.part])
+            found = fate(copy, chosen, times[chosen.part.tests])
         finally:
             free.put(copy)
         if found is Fate.NOT_CAUGHT:
@@ -216,11 +236,12 @@ def arguments() -> argparse.Namespace:
         description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--seed", type=int, default=secrets.randbelow(10_000), help="which mutants; default: any")
-    parser.add_argument("--count", type=positive, default=60, help="how many; default: 60")
+    parser.add_argument("--count", type=positive, help=f"how many; default: {COUNT}, of those named all")
     parser.add_argument("--workers", type=positive, default=WORKERS, help=f"how many at a time; default: {WORKERS}")
-    parser.add_argument("of", nargs="*", help="all mutants of these modules or lines, such as records/framer.py:219")
+    parser.add_argument("of", nargs="*", help="of these folders, modules or lines, such as records/framer.py:219")
     asked = parser.parse_args()
-    asked.chosen = named(asked.of) if asked.of else choose(PARTS, asked.count, asked.seed)
+    every = named(asked.of) if asked.of else all_of(PARTS)
+    asked.chosen = sample(every, asked.count or (len(every) if asked.of else COUNT), asked.seed)
     if not asked.chosen:
         parser.error(f"nothing can be changed in {' '.join(asked.of)}: covering.py has the modules")
     return asked
@@ -231,7 +252,7 @@ def main() -> int:
     asked = arguments()
     count = len(asked.chosen)
     begun = time.monotonic()
-    print(f"{count} mutants" + ("" if asked.of else f", --seed {asked.seed}"), flush=True)
+    print(f"{count} mutants, --seed {asked.seed}", flush=True)
     try:
         with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
             counted = fates(asked.chosen, Path(folder), asked.workers)

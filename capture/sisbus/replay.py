@@ -13,12 +13,11 @@ from typing import NamedTuple
 from sisbus.playing.characters import Played, SentCharacter
 from sisbus.wires import place
 from sisbus.wires.place import play
-from sisbus.wires.wire import Pace, Refusal
-from sistap.dissected.captures.reading import NotCaptured, records
+from sisbus.wires.wire import Pace
+from sistap.dissected.captures.reading import records
 from sistap.tap.line.settings import ERROR_FLAGS, Flag, LineSettings
 from sistap.tap.records.record import Record, Type
-from sistap.tap.terminal.console import visible
-from sistap.tap.terminal.exits import DONE, USAGE
+from sistap.tap.terminal.exits import NotCaptured, Refusal
 
 DESCRIPTION = """\
 Play a capture that sistap wrote: every character at its time. It goes to a pseudo terminal, to a socket, or, with
@@ -65,12 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Play the capture until its end or a signal; return the exit code. May raise PortError or PortLost."""
-    try:
-        _play(args)
-    except Refusal as refusal:
-        print(f"sistap replay: {visible(str(refusal))}", file=sys.stderr)
-        return refusal.code
-    return DONE
+    return place.refusing("replay", lambda: _play(args))
 
 
 def _play(args: argparse.Namespace) -> None:
@@ -79,9 +73,9 @@ def _play(args: argparse.Namespace) -> None:
         place.check(args)
         content = look(args.capture)
     except ValueError as error:
-        raise Refusal(USAGE, str(error)) from error
+        raise Refusal(str(error)) from error
     except OSError as error:
-        raise Refusal(USAGE, f"cannot read {args.capture}: {error.strerror}; name a capture file") from error
+        raise Refusal(f"cannot read {args.capture}: {error.strerror}; name a capture file") from error
     pace = Pace(simulated=args.fast)
     wire = place.opened(args, content.settings, pace)
     print(f"sistap replay: {content.characters} characters at {content.settings}", file=sys.stderr)

@@ -22,8 +22,8 @@ from sistap.commands.annotate.explaining import LiveCapture, WholeCapture
 from sistap.commands.annotate.spool import LogEntry, Spool
 from sistap.commands.annotate.textlog import LogLine, lines
 from sistap.dissected.explain.fields import Said, sentence
-from sistap.tap.common.writing import Incomplete
 from sistap.tap.records.record import Record
+from sistap.tap.terminal.exits import Refusal
 
 PHASE = TELEGRAMS["8-21"].hex(" ").upper()
 
@@ -110,7 +110,7 @@ def test_what_was_kept_meanwhile_is_explained_as_what_comes(log: str, encoding: 
 def test_no_room_to_keep_it(full: Path) -> None:
     with Spool() as spool:
         spool._blobs._file = full.open("w+b")
-        with pytest.raises(Incomplete, match="cannot keep the log: No space left on device; .* TMPDIR$"):
+        with pytest.raises(Refusal, match="cannot keep the log: No space left on device; .* TMPDIR$"):
             spool.put([LogEntry(line, 0, []) for line in lines([b"one line"])])
 
 

@@ -28,7 +28,7 @@ from sistap.tap.analyser.finding import BAUDS, Trace, find
 from sistap.tap.common.packed import unpack
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.records.record import Type
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 MHZ = 1_000_000
 TELEGRAMS = [bytes.fromhex(text) for text in ("02D7030300031003040700", "026C000000920000", "02560202109200000002")]
@@ -254,7 +254,7 @@ OTHERS = {
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_what_is_no_serial_line_is_refused(name: str) -> None:
-    with pytest.raises(UsageError, match="no channel with characters at a usual rate") as refused:
+    with pytest.raises(Refusal, match="no channel with characters at a usual rate") as refused:
         found(wave(4 * MHZ, **OTHERS[name]))
     clocks = [channel for channel in OTHERS[name] if channel in ("CLK", "SCL", "PWM")]
     assert all(f"{channel} is a clock" in str(refused.value) for channel in clocks)
@@ -309,7 +309,7 @@ def test_settings_that_make_characters_but_no_telegram_are_told(inverted: bool) 
         source = opened(Path("x"), recording, told)
         assert "without a telegram of SIS" in source.settings_from
         assert source.warning == f"these are not the settings of this line: {better}"
-    with pytest.raises(UsageError, match=better):
+    with pytest.raises(Refusal, match=better):
         opened(Path("x"), recording, Stated(format="8O1"))
 
 
@@ -522,7 +522,7 @@ def test_a_recording_that_is_cut_anywhere(tmp_path: Path, form: Callable[[Path],
         if opener := known(path):
             try:
                 heard = b"".join(read.data for read in opener(path, Stated(9600, "8N1", MHZ, "RO")).reads())
-            except UsageError:
+            except Refusal:
                 continue
             assert len(heard) <= len(TELEGRAMS[0]) or SENT.startswith(heard[:-1])  # a telegram tells the polarity
 
@@ -542,7 +542,7 @@ def test_damaged_recordings_are_read_or_refused(tmp_path: Path, form: Callable[[
         try:
             opener = known(path)
             assert not opener or list(opener(path, chance.choice((NOTHING, Stated(9600, device="RO")))).reads())
-        except UsageError:
+        except Refusal:
             pass
 
 
@@ -618,7 +618,7 @@ def test_of_what_is_too_fast_for_a_line_only_the_beginning_is_kept(
     assert len(read.channels["RO"]) <= 2 * HEAD
     assert read.channels["DE"][:60_000] == recording.channels["DE"][:60_000]
     monkeypatch.setattr(session, "_MOST_EDGES", 60_000)
-    with pytest.raises(UsageError, match="edges: save it again with the channels of the bus only, or a part of it"):
+    with pytest.raises(Refusal, match="edges: save it again with the channels of the bus only, or a part of it"):
         session.read(tmp_path / "x", NOTHING)
 
 

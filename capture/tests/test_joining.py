@@ -14,12 +14,12 @@ from commands import refused, run
 from sistap.dissected.captures import reading
 from sistap.dissected.captures.joining import in_order, together
 from sistap.dissected.captures.portions import portions
-from sistap.dissected.captures.reading import NotCaptured
 from sistap.tap.files import pcapng
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.records.record import INTERVAL_MAX, Event, Record, Type, event
 from sistap.tap.sis.telegram import build
+from sistap.tap.terminal.exits import NotCaptured
 
 SECOND = 1_000_000_000
 NAMES = ("left", "right")

@@ -38,7 +38,7 @@ from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.line import priority
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Event, Record, Type, event
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 SECOND = 1_000_000_000
 PATIENCE_S = 60
@@ -476,9 +476,9 @@ def test_a_filter_becomes_a_word(filter_: str, expected: str) -> None:
 
 
 def test_a_wrong_filter_is_refused(tshark: Tshark) -> None:
-    with pytest.raises(UsageError, match=r"--keep 'sis.foo == 1': .*sis.foo"):
+    with pytest.raises(Refusal, match=r"--keep 'sis.foo == 1': .*sis.foo"):
         by(tshark, "faults", "sis.foo == 1")
-    with pytest.raises(UsageError, match="needs a filter"):
+    with pytest.raises(Refusal, match="needs a filter"):
         by(tshark, "faults", " ")
 
 

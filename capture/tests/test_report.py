@@ -39,11 +39,11 @@ from sistap.dissected.packets.dissection import FIELDS, UNRESOLVED, Dissection, 
 from sistap.dissected.packets.kept import Span
 from sistap.dissected.wireshark.rows import info
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
-from sistap.tap.common.writing import Incomplete
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag
 from sistap.tap.records.record import Framing, Type
 from sistap.tap.sis.faults import FAULTS
 from sistap.tap.sis.telegram import build
+from sistap.tap.terminal.exits import Refusal
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 CHARACTER_S = LINE.character_ns / 1e9
@@ -418,7 +418,7 @@ def test_no_room_to_keep_what_was_read(
     monkeypatch.setattr("tempfile.TemporaryFile", lambda prefix: full.open("w+b"))
     with Dissection(tshark, [Portion(capture)]) as dissection:
         list(dissection.packets())
-        with pytest.raises(Incomplete, match="cannot keep what was read of the capture: No space left .* TMPDIR$"):
+        with pytest.raises(Refusal, match="cannot keep what was read of the capture: No space left .* TMPDIR$"):
             list(dissection.again([]))
 
 

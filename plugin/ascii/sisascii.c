@@ -333,7 +333,7 @@ show_line(line_t *line)
 static void
 show_verdict(line_t *line, unsigned limit_ms, const char *source)
 {
-    sis_verdict_t verdict = sis_judge(line->unit->span, limit_ms * MS);
+    sis_verdict_t verdict = sis_judge(line->unit->asked.span, limit_ms * MS);
     nstime_t limit = sertap_time(limit_ms * MS);
     proto_item *item;
 
@@ -353,17 +353,17 @@ show_verdict(line_t *line, unsigned limit_ms, const char *source)
 static bool
 is_measured(const line_t *line)
 {
-    return line->unit->is_first && sis_is_measured(line->unit->elapsed, &line->times);
+    return line->unit->asked.request_in != 0 && sis_is_measured(line->unit->asked.elapsed, &line->times);
 }
 
 /* How long the drive took. No document has a limit, so it is the user's. */
 static void
 show_time(line_t *line)
 {
-    int64_t elapsed = line->unit->elapsed;
+    int64_t elapsed = line->unit->asked.elapsed;
     unsigned preference = pref_sis_trs_ms;
 
-    if (!line->unit->is_first)
+    if (line->unit->asked.request_in == 0)
         return;
     if (is_measured(line)) {
         proto_item_set_generated(
@@ -381,7 +381,7 @@ show_time(line_t *line)
 static void
 show_command(line_t *line, const sisascii_command_t *command)
 {
-    add_link(line->tree, hf_sis_reaction_in, line->tvb, command->answer_in);
+    add_link(line->tree, hf_sis_reaction_in, line->tvb, command->asked->answer_in);
     add_link(line->tree, hf_sis_repeat_of, line->tvb, command->repeat_of);
     add_link(line->tree, hf_sis_unanswered_before, line->tvb, command->unanswered_before);
     add_link(line->tree, hf_sis_next_command_in, line->tvb, command->next_in);
@@ -406,7 +406,7 @@ show_links(line_t *line)
         show_command(line, command);
         return;
     }
-    add_link(line->tree, hf_sis_command_in, line->tvb, command->frame);
+    add_link(line->tree, hf_sis_command_in, line->tvb, command->asked->frame);
     show_time(line);
 }
 
@@ -451,7 +451,7 @@ queue_answer(const line_t *line)
         return;
     answer = wmem_new(line->pinfo->pool, sisascii_answer_t);
     answer->kind = line->unit->command->said.kind;
-    answer->elapsed = line->unit->elapsed;
+    answer->elapsed = line->unit->asked.elapsed;
     tap_queue_packet(sisascii_tap, line->pinfo, answer);
 }
 

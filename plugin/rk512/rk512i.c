@@ -7,12 +7,12 @@
 
 #include <epan/tap.h>
 
-#include "items.h"
 #include "kept.h"
 #include "parts.h"
 #include "protocol/fields.h"
 #include "protocol/limits.h"
 #include "sertap/line.h"
+#include "sis/asked.h"
 #include "sis/pieces.h"
 #include "rk512/head.h"
 
@@ -50,17 +50,13 @@ typedef enum {
 } fault_t;
 
 /* A telegram, with the results of the first pass. */
-typedef struct telegram {
+typedef struct {
+    sis_asked_t asked;
     const job_t *job; /* NULL: none is known */
     job_t as_it_was;  /* its time; job points here */
-    uint32_t frame;
-    uint32_t request_in, answer_in; /* 0: none */
-    int64_t end;                    /* of its last character, ns */
-    int64_t elapsed;
-    uint8_t line;
-    unsigned faults; /* of fault_t */
-    bool is_piece;   /* of several */
-    bool is_first;   /* of its job */
+    unsigned faults;  /* of fault_t */
+    bool is_piece;    /* of several */
+    bool is_first;    /* of its job */
     bool is_last;
     bool is_repeat;
 } telegram_t;
@@ -160,8 +156,8 @@ note_command(bus_t *bus, const dissection_t *d, telegram_t *telegram)
         telegram->faults |= UNANSWERED_BEFORE;
     bus->request = NULL;
     if (bus->master == 0)
-        bus->master = telegram->line;
-    else if (telegram->line != 0 && telegram->line != bus->master)
+        bus->master = telegram->asked.line;
+    else if (telegram->asked.line != 0 && telegram->asked.line != bus->master)
         telegram->faults |= FROM_BOTH;
     if (!d->is_follow_up)
         begin_block(job, d, telegram);
@@ -175,7 +171,7 @@ note_command(bus_t *bus, const dissection_t *d, telegram_t *telegram)
 }
 
 static void
-note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, int64_t begin)
+note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, const sis_times_t *times)
 {
     telegram_t *request = bus->request;
     unsigned count = tvb_captured_length(d->tvb) - d->data_at;
@@ -184,9 +180,7 @@ note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, int64_t b
     if (request == NULL)
         return;
     bus->request = NULL;
-    request->answer_in = telegram->frame;
-    telegram->request_in = request->frame;
-    telegram->elapsed = sertap_elapsed(request->end, begin);
+    sis_asked_answer(&telegram->asked, &request->asked, times);
     telegram->job = &telegram->as_it_was;
     telegram->is_first = request->is_first;
     if (bus->job.command == RK512_FETCH && !is_error && count < MIN(bus->job.left, RK512_MOST_IN_TELEGRAM))
@@ -204,14 +198,13 @@ find_telegram(const dissection_t *d, const rk512i_block_t *block)
 {
     telegram_t *telegram = kept_of_packet(d->pinfo, proto_rk512i, 0, sizeof *telegram);
     const sertap_record_t *record = sertap_record(d->pinfo);
-    int64_t begin = sertap_ns(&d->pinfo->abs_ts);
+    sis_times_t times = sis_times(d->tvb, d->pinfo, 0, NULL);
     bus_t *bus;
 
-    if (telegram->frame != 0)
+    if (telegram->asked.frame != 0)
         return telegram;
-    telegram->frame = d->pinfo->num;
-    telegram->line = record != NULL ? record->line : 0;
-    telegram->end = begin + (record != NULL ? (int64_t)record->duration : 0);
+    times.end += record != NULL ? (int64_t)record->duration : 0;
+    sis_asked_note(&telegram->asked, d->pinfo, &times);
     telegram->is_repeat = block != NULL && block->is_repeat;
     if (telegram->is_repeat || (d->is_cut && !d->is_snapped))
         return telegram;
@@ -219,7 +212,7 @@ find_telegram(const dissection_t *d, const rk512i_block_t *block)
     if (d->is_snapped)
         *bus = (bus_t){.key = bus->key};
     else if (d->is_reaction)
-        note_reaction(bus, d, telegram, begin);
+        note_reaction(bus, d, telegram, &times);
     else
         note_command(bus, d, telegram);
     return telegram;
@@ -329,19 +322,6 @@ show_reaction(const dissection_t *d)
     wmem_strbuf_append_printf(d->words, "  [error 0x%02x: %s (Siemens' number)]", error, text);
 }
 
-static void
-show_links(const dissection_t *d)
-{
-    const telegram_t *telegram = d->telegram;
-
-    add_link(d->tree, hf_synax_answer_in, d->tvb, telegram->answer_in);
-    if (telegram->request_in == 0)
-        return;
-    add_generated(d->tree, hf_synax_request_in, d->tvb, telegram->request_in);
-    proto_item_set_generated(
-        sertap_add_ms(d->tree, hf_synax_answer_time, d->tvb, 0, 0, d->pinfo->pool, telegram->elapsed));
-}
-
 /* All bytes of a block, or of DB nn to DB 1. Those of SEND begin with the Indramat head. A reaction has
  * none, so its command names the parameter. */
 static void
@@ -438,10 +418,10 @@ queue_answer(const dissection_t *d)
 {
     rk512i_answer_t *answer;
 
-    if (d->telegram->request_in == 0 || d->telegram->job == NULL || d->telegram->elapsed < 0)
+    if (d->telegram->asked.request_in == 0 || d->telegram->job == NULL || d->telegram->asked.elapsed < 0)
         return;
     answer = wmem_new(d->pinfo->pool, rk512i_answer_t);
-    *answer = (rk512i_answer_t){d->telegram->job->command, d->telegram->elapsed};
+    *answer = (rk512i_answer_t){d->telegram->job->command, d->telegram->asked.elapsed};
     tap_queue_packet(rk512i_tap, d->pinfo, answer);
 }
 
@@ -461,6 +441,7 @@ looks_like_rk512(tvbuff_t *tvb)
 bool
 rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data)
 {
+    sis_asked_fields_t fields = {hf_synax_request_in, hf_synax_answer_in, hf_synax_answer_time};
     dissection_t d = {.tvb = tvb, .pinfo = pinfo, .words = wmem_strbuf_new(pinfo->pool, "")};
 
     if (!looks_like_rk512(tvb))
@@ -481,7 +462,7 @@ rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
         proto_tree_add_item(d.tree, hf_rk512i_data, tvb, d.data_at, tvb_captured_length(tvb) - d.data_at,
                             ENC_NA);
     show_faults(&d);
-    show_links(&d);
+    sis_asked_show(&d.telegram->asked, d.tree, tvb, pinfo, &fields);
     queue_answer(&d);
     proto_item_append_text(d.root, ", %s", wmem_strbuf_get_str(d.words));
     col_append_fstr(pinfo->cinfo, COL_INFO, "  %s", wmem_strbuf_get_str(d.words));

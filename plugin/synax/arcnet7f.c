@@ -7,7 +7,7 @@
 #include "kept.h"
 #include "parameters/ident.h"
 #include "protocol/fields.h"
-#include "sertap/time.h"
+#include "sis/asked.h"
 #include "sis/pieces.h"
 #include "rk512/head.h"
 #include "synax/ways.h"
@@ -43,11 +43,9 @@ typedef struct {
 
 /* What is kept of a telegram. */
 typedef struct {
-    uint32_t request_in; /* 0: none; the same for the other two */
-    uint32_t answer_in;
-    uint32_t unanswered_in; /* an earlier request that nobody answered */
-    nstime_t answer_time;
-    transfer_t *transfer; /* whose piece it is */
+    sis_asked_t asked;
+    uint32_t unanswered_in; /* an earlier request that nobody answered; 0: none */
+    transfer_t *transfer;   /* whose piece it is */
     bool is_last_piece;
     bool is_out_of_order; /* its message number */
 } kept_t;
@@ -56,8 +54,6 @@ typedef struct {
 typedef struct {
     synax_way_t key;
     kept_t *request; /* waiting for its answer */
-    uint32_t request_in;
-    nstime_t request_time;
     uint64_t subject;
     transfer_t *transfer;
 } way_t;
@@ -177,28 +173,6 @@ subject_of(const telegram_t *t)
     return (uint64_t)(compat_get_uint8(t->tvb, SHORT_HEAD) & 1) << 32 | tvb_get_ntohl(t->tvb, BLOCK_AT);
 }
 
-static void
-ask(const telegram_t *t, way_t *way)
-{
-    if (way->request != NULL)
-        t->kept->unanswered_in = way->request_in;
-    way->request = t->kept;
-    way->request_in = t->pinfo->num;
-    way->request_time = t->pinfo->abs_ts;
-    way->subject = subject_of(t);
-}
-
-static void
-answer(const telegram_t *t, way_t *way)
-{
-    if (way->request == NULL || way->subject != subject_of(t))
-        return;
-    way->request->answer_in = t->pinfo->num;
-    t->kept->request_in = way->request_in;
-    nstime_delta(&t->kept->answer_time, &t->pinfo->abs_ts, &way->request_time);
-    way->request = NULL;
-}
-
 /* The number of bytes of a list by its length words; 0: it has none, or they are wrong. */
 static unsigned
 announced_by(const telegram_t *t)
@@ -275,13 +249,22 @@ continue_transfer(const telegram_t *t, way_t *way)
 static void
 follow(const telegram_t *t)
 {
+    sis_times_t times = sis_times(t->tvb, t->pinfo, 0, NULL);
     way_t *way = find_way(t->pinfo, &t->pinfo->src, &t->pinfo->dst);
+    way_t *back = find_way(t->pinfo, &t->pinfo->dst, &t->pinfo->src);
 
+    sis_asked_note(&t->kept->asked, t->pinfo, &times);
     if (t->command == ARCNET7F_FETCH) {
-        ask(t, way);
+        if (way->request != NULL)
+            t->kept->unanswered_in = way->request->asked.frame;
+        way->request = t->kept;
+        way->subject = subject_of(t);
         return;
     }
-    answer(t, find_way(t->pinfo, &t->pinfo->dst, &t->pinfo->src));
+    if (back->request != NULL && back->subject == subject_of(t)) {
+        sis_asked_answer(&t->kept->asked, &back->request->asked, &times);
+        back->request = NULL;
+    }
     if (t->is_follow_up)
         continue_transfer(t, way);
     else
@@ -291,15 +274,10 @@ follow(const telegram_t *t)
 static void
 show_links(telegram_t *t)
 {
-    const kept_t *kept = t->kept;
+    sis_asked_fields_t fields = {hf_synax_request_in, hf_synax_answer_in, hf_synax_answer_time};
 
-    add_link(t->tree, hf_synax_request_in, t->tvb, kept->request_in);
-    add_link(t->tree, hf_synax_answer_in, t->tvb, kept->answer_in);
-    if (kept->request_in != 0)
-        proto_item_set_generated(sertap_add_ms(t->tree, hf_synax_answer_time, t->tvb, 0, 0, t->pinfo->pool,
-                                               sertap_ns(&kept->answer_time)));
-    add_link(t->tree, hf_synax_unanswered_in, t->tvb, kept->unanswered_in);
-    if (kept->unanswered_in != 0)
+    sis_asked_show(&t->kept->asked, t->tree, t->tvb, t->pinfo, &fields);
+    if (add_link(t->tree, hf_synax_unanswered_in, t->tvb, t->kept->unanswered_in) != NULL)
         expert_add_info(t->pinfo, t->root, &ei_synax_unanswered_before);
 }
 

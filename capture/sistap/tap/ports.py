@@ -8,6 +8,7 @@ import json
 from collections.abc import Sequence
 
 from sistap.tap.analyser import probe
+from sistap.tap.common.table import aligned
 from sistap.tap.line import ports
 from sistap.tap.line.drivers import ErrorPlace
 from sistap.tap.line.ports import Adapter
@@ -64,7 +65,6 @@ def run(args: argparse.Namespace) -> int:
         for port, behind in there
     ]
     rows += [(one.port, visible(one.name), probe.DRIVER, "samples the bus", _EXACT) for one in analysers]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+    for line in aligned(rows):
+        print(line)
     return DONE

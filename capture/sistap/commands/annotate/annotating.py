@@ -91,7 +91,7 @@ class Passage:
 def record(
     batches: Batches, passage: Passage, log: str, write: Callable[[bytes], object], spool: Spool | None = None
 ) -> None:
-    """Write a log as a capture, block by block, and keep the log itself in a spool. May raise Incomplete."""
+    """Write a log as a capture, block by block, and keep the log itself in a spool. May raise Refusal."""
     blocks = LogBlocks(log)
     for batch in batches:
         entries = []

@@ -14,23 +14,23 @@ from sistap.commands.annotate.annotator import Annotator, TextAnnotator
 from sistap.commands.annotate.explaining import LiveCapture, WholeCapture
 from sistap.commands.annotate.meanings import Meanings
 from sistap.commands.annotate.page import PageAnnotator
-from sistap.commands.annotate.pattern import PatternReader, TooSlow
+from sistap.commands.annotate.pattern import PatternReader
 from sistap.commands.annotate.reading import LogReader
-from sistap.commands.annotate.sources import LogSource, SourceError
+from sistap.commands.annotate.sources import LogSource
 from sistap.commands.annotate.spool import Spool
 from sistap.commands.annotate.troubles import Troubles
 from sistap.dissected.episodes.options import add_rule
 from sistap.dissected.explain import advice
 from sistap.dissected.explain.fields import Fields
 from sistap.dissected.packets.dissection import FIELDS
-from sistap.dissected.wireshark.tshark import Tshark, TsharkError
+from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.common import temporary
 from sistap.tap.common.garbage import uncollected
-from sistap.tap.common.writing import Incomplete, NotOpened, opened
-from sistap.tap.files.output import Output, OutputError, OutputRefused, ReaderGone
+from sistap.tap.common.writing import opened
+from sistap.tap.files.output import Output, ReaderGone
 from sistap.tap.records.cut import HELP, SIS, WORDS, Cut
 from sistap.tap.terminal.console import Console
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError, argument
+from sistap.tap.terminal.exits import DONE, FAILED, USAGE, Refusal, argument
 from sistap.tap.terminal.writing import FORCE
 
 DESCRIPTION = """\
@@ -110,13 +110,7 @@ def run(args: argparse.Namespace) -> int:
             written = _capture(args, source, passage, console)
         else:
             _explain(args, source, passage, console)
-    except (UsageError, SourceError, NotOpened, OutputRefused, TooSlow) as error:
-        console.say(str(error))
-        return USAGE
     except ReaderGone:
-        return FAILED
-    except (Incomplete, TsharkError, OutputError) as error:
-        console.say(str(error))
         return FAILED
     if passage.telegrams:
         troubles.end()
@@ -129,10 +123,10 @@ def run(args: argparse.Namespace) -> int:
 
 def _check(args: argparse.Namespace) -> None:
     if args.capture and args.output:
-        raise UsageError("-w names the file already: leave out -o")
+        raise Refusal("-w names the file already: leave out -o")
     for option, path in (("-w", args.capture), ("-o", args.output)):
         if path and _is_same(path, args.log):
-            raise UsageError(f"{path} is the log itself; name another file with {option}")
+            raise Refusal(f"{path} is the log itself; name another file with {option}")
 
 
 def _judge(args: argparse.Namespace, passage: Passage, troubles: Troubles, console: Console) -> int:

@@ -21,7 +21,7 @@ from sistap.tap.common.usbmon import is_usbmon
 from sistap.tap.files.pcapng import FIRST_BYTES
 from sistap.tap.records.cut import ASCII, Cut
 from sistap.tap.terminal.advice import shell_word
-from sistap.tap.terminal.exits import Error
+from sistap.tap.terminal.exits import Refusal
 
 _PIECE = 1 << 18
 _AHEAD = 16  # pieces of a pipe that may wait: its writer can be faster than they are explained
@@ -29,7 +29,7 @@ _IDLE_S = 0.2
 _NULS = 10  # one byte in this many may be 0: some programs write what they received
 
 
-class SourceError(Error):
+class SourceError(Refusal):
     """The log cannot be read; the text is the line to show."""
 
 

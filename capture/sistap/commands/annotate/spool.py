@@ -37,7 +37,7 @@ class Spool:
         self._blobs.__exit__(*error)
 
     def put(self, entries: list[LogEntry]) -> None:
-        """Keep a batch. Incomplete if there is no room."""
+        """Keep a batch. Refusal if there is no room."""
         self._blobs.put(pickle.dumps(entries, pickle.HIGHEST_PROTOCOL))
 
     def batches(self, progress: Callable[[float], None]) -> Iterator[list[LogEntry]]:

@@ -14,6 +14,7 @@ from sistap.commands.compare.samples import Samples
 from sistap.commands.compare.side import LIMITS, ServiceOfSide, Side
 from sistap.dissected.accesses.listing import Listed
 from sistap.dissected.packets.distribution import Distribution
+from sistap.tap.sis.limits import limit_text
 from sistap.tap.sis.telegram import service_name
 
 SMALL = 0.05  # times that differ by less than this part count as equal
@@ -193,4 +194,4 @@ def _settings(good: Side, bad: Side) -> Iterator[ComparedSetting]:
 
 
 def _limits(limits: Iterable[float]) -> str:
-    return ", ".join(f"{limit_s * 1e3:g} ms" for limit_s in sorted(limits)) or "none"
+    return ", ".join(map(limit_text, sorted(limits))) or "none"

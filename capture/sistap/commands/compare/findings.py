@@ -16,6 +16,7 @@ from sistap.dissected.episodes.lines import clock_of, when
 from sistap.dissected.episodes.masters import station_of
 from sistap.dissected.episodes.rules import SUBJECTS, Subject
 from sistap.tap.common.calendar import local
+from sistap.tap.records.record import ms
 
 TIMES = "Times"
 NONE = "nothing differs"
@@ -131,11 +132,6 @@ def _time(times: Times, one: Quantile) -> str:
     share = "half" if one == times.middle else "99 %"
     change = f"{longer}: {share} within {ms(one.bad_s)}, was {ms(one.good_s)}"
     return f"station {times.station} {times.what} {change} ({one.ratio:.2f} times)"
-
-
-def ms(time_s: float) -> str:
-    """Write a time as the dissector writes it."""
-    return f"{time_s * 1e3:.3f} ms"
 
 
 def tables(comparison: Comparison) -> list[CompareTable]:

@@ -14,6 +14,7 @@ from sistap.commands.compare.happened import Happened
 from sistap.commands.compare.side import Side
 from sistap.dissected.accesses.listing import Listed
 from sistap.dissected.packets.distribution import Distribution
+from sistap.tap.common.table import aligned
 
 
 def as_text(comparison: Comparison) -> str:
@@ -26,9 +27,7 @@ def as_text(comparison: Comparison) -> str:
 
 
 def _table(table: CompareTable) -> str:
-    rows = [table.heads, *table.rows]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines = aligned([table.heads, *table.rows])
     return "\n".join([table.title, "-" * len(table.title), *lines, *filter(None, [table.note])])
 
 

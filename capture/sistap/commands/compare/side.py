@@ -107,7 +107,7 @@ def read(
 ) -> Side:
     """Read the captures of a side. Report damage.
 
-    NotACapture, TsharkError.
+    Refusal.
     """
     side = Side(engine=engine)
     for capture in in_order(captures):

@@ -14,7 +14,7 @@ from sistap.commands.imports.convert import Conversion
 from sistap.commands.imports.formats import NAMES, opened
 from sistap.commands.imports.source import Source, Stated
 from sistap.dissected.wireshark.tshark import TsharkError
-from sistap.tap.files.output import Output, OutputError, OutputRefused
+from sistap.tap.files.output import Output
 from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN
@@ -22,7 +22,7 @@ from sistap.tap.records.counters import Counters
 from sistap.tap.records.cut import HELP, SIS, WORDS, Cut
 from sistap.tap.records.record import LARGEST_RATE
 from sistap.tap.terminal.console import STANDARD_OUTPUT, Console
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError, argument
+from sistap.tap.terminal.exits import DONE, Refusal, argument
 from sistap.tap.terminal.stop import Stop
 from sistap.tap.terminal.writing import FORCE
 
@@ -110,12 +110,8 @@ def run(args: argparse.Namespace) -> int:
             source = opened(args.file, stated, tools)
             stop.at_once = False
             return _convert(args, source, output, stop, console)
-    except (UsageError, OutputRefused) as error:
-        console.say(_one_line(str(error)))
-        return USAGE
-    except (TsharkError, OutputError) as error:
-        console.say(_one_line(str(error)))
-        return FAILED
+    except Refusal as refusal:
+        raise Refusal(_one_line(str(refusal)), refusal.code) from None
 
 
 def _one_line(text: str) -> str:
@@ -124,21 +120,21 @@ def _one_line(text: str) -> str:
 
 
 def _stated(args: argparse.Namespace) -> Stated:
-    """Check what the options say. May raise UsageError."""
+    """Check what the options say. May raise Refusal."""
     stated = Stated(args.baud, args.format, args.samplerate, args.device, args.framing)
     try:
         stated.settings  # noqa: B018 - only whether it can be made
     except ValueError as error:
-        raise UsageError(str(error)) from None
+        raise Refusal(str(error)) from None
     _check_output(args)
     return stated
 
 
 def _check_output(args: argparse.Namespace) -> None:
     if args.output == STANDARD_OUTPUT and os.isatty(1):
-        raise UsageError("a terminal cannot show a pcapng file: add | wireshark -C SIS -k -i -, or name a file with -w")
+        raise Refusal("a terminal cannot show a pcapng file: add | wireshark -C SIS -k -i -, or name a file with -w")
     if args.file.exists() and Path(args.output).exists() and args.file.samefile(args.output):
-        raise UsageError(f"{args.output} is FILE itself: name another file with -w")
+        raise Refusal(f"{args.output} is FILE itself: name another file with -w")
 
 
 def _output(args: argparse.Namespace, stop: Stop) -> Output:
@@ -149,7 +145,7 @@ def _output(args: argparse.Namespace, stop: Stop) -> Output:
 def _take_messages(args: argparse.Namespace, stated: Stated, stop: Stop, console: Console) -> int:
     """Make packets of a table of messages."""
     if stated != Stated():
-        raise UsageError(
+        raise Refusal(
             "a table of messages has no line: leave out --baud, --format, --framing, --device and --samplerate"
         )
     with closing(_output(args, stop)) as output:

@@ -18,7 +18,7 @@ from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.common.packed import unpack
 from sistap.tap.files.pcapng import FIRST_BYTES
 from sistap.tap.terminal.advice import shell_word
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 
 class TextFormat(NamedTuple):
@@ -84,7 +84,7 @@ _HEAD = 4096  # bytes that contain the first line
 
 
 def opened(path: Path, stated: Stated, tools: ExitStack) -> Source:
-    """Recognise a file and open it; `tools` keeps what it needs. May raise UsageError and TsharkError."""
+    """Recognise a file and open it; `tools` keeps what it needs. May raise Refusal and TsharkError."""
     if opener := known(path):
         return opener(path, stated)
     tshark = tools.enter_context(Tshark())
@@ -93,17 +93,17 @@ def opened(path: Path, stated: Stated, tools: ExitStack) -> Source:
         if capture.protocol in seen:
             return capture.opened(tshark, path, stated)
     if packed := unpack(path):
-        raise UsageError(packed)
+        raise Refusal(packed)
     if _first(path).startswith(FIRST_BYTES):
-        raise UsageError(f"{path} is a capture that Wireshark reads as it is: `sistap log {shell_word(str(path))}`")
-    raise UsageError(
+        raise Refusal(f"{path} is a capture that Wireshark reads as it is: `sistap log {shell_word(str(path))}`")
+    raise Refusal(
         f"{path} is none of the files that can be imported. For a log with bytes in hexadecimal: "
         f"`sistap annotate {shell_word(str(path))} -w FILE`. These can be imported: {'; '.join(NAMES)}"
     )
 
 
 def known(path: Path) -> Callable[[Path, Stated], Source] | None:
-    """Return what opens a file of a logic analyser; None: it is none. May raise UsageError."""
+    """Return what opens a file of a logic analyser; None: it is none. May raise Refusal."""
     head = _first(path).decode(errors="replace").removeprefix("\ufeff").lstrip()
     for text in TEXTS:
         if re.match(text.first_line, head):
@@ -116,9 +116,9 @@ def known(path: Path) -> Callable[[Path, Stated], Source] | None:
 
 def _first(path: Path) -> bytes:
     if path.exists() and not path.is_file() and not path.is_dir():
-        raise UsageError(f"{path} is not a file: it is read more than once, so save it first")
+        raise Refusal(f"{path} is not a file: it is read more than once, so save it first")
     try:
         with path.open("rb") as file:
             return file.read(_HEAD)
     except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}; name a file that another tool has recorded") from None
+        raise Refusal(f"cannot read {path}: {error.strerror}; name a file that another tool has recorded") from None

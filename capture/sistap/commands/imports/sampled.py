@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from sistap.commands.imports.source import NS, RECEIVED, SENT, Stated, numbered
 from sistap.tap.line.settings import Flag, LineSettings, Read
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 HEXADECIMAL = "let the decoder show hexadecimal values, and export again"
 
@@ -42,7 +42,7 @@ class SampledLine:
     """A Source: the characters of one or two channels."""
 
     def __init__(self, path: Path, rows: Iterable[Row | UnreadableRow], stated: Stated, cure: str = DECODER) -> None:
-        """Read all characters: a table may have one channel after the other. May raise UsageError.
+        """Read all characters: a table may have one channel after the other. May raise Refusal.
 
         `cure` is what to do if most of them are faulty.
         """
@@ -51,13 +51,13 @@ class SampledLine:
         self.warning = ""
         self._rows = sorted(self._readable(rows), key=lambda row: row.time_s)
         if not self._rows:
-            raise UsageError(f"{path} has no characters that can be read: {self.warning or HEXADECIMAL}")
+            raise Refusal(f"{path} has no characters that can be read: {self.warning or HEXADECIMAL}")
         if 2 * sum(bool(row.flags & ~Flag.LOST_BEFORE) for row in self._rows) > len(self._rows):
             self.warning = self.warning or f"most characters are faulty: {cure}"
         channels = sorted({row.channel for row in self._rows})
         if len(channels) > 2:
             listed = ", ".join(channels)
-            raise UsageError(
+            raise Refusal(
                 f"{path} has {len(channels)} decoders ({listed}): export one, or the two directions of one bus"
             )
         self._lines = dict(zip(channels, (RECEIVED, SENT), strict=False))

@@ -23,7 +23,7 @@ from sistap.commands.imports.wave import HEAD, Wave
 from sistap.tap.analyser.finding import BAUDS
 from sistap.tap.analyser.probe import hertz
 from sistap.tap.analyser.uart import FEWEST_SAMPLES, HIGH, LOW, Edges
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 _PIECE = 1 << 17  # bytes read at once
 _MOST_EDGES = 16_000_000  # of all channels: an hour of a busy bus at 9600 Bd
@@ -45,15 +45,15 @@ def is_session(path: Path) -> bool:
 
 
 def read(path: Path, stated: Stated) -> Wave:
-    """Read a session. May raise UsageError."""
+    """Read a session. May raise Refusal."""
     try:
         with ZipFile(path) as archive:
             reader = _dsview if _is_dsview(archive) else _sigrok
             return _wave(path, *reader(archive, path, stated), stated)
     except (BadZipFile, OSError, EOFError, NotImplementedError, RuntimeError, zlib.error) as error:
-        raise UsageError(f"{path} cannot be read ({error}): save it again") from None
+        raise Refusal(f"{path} cannot be read ({error}): save it again") from None
     except (ConfigError, KeyError, ValueError) as error:
-        raise UsageError(f"{path} is no session with samples of logic ({error})") from None
+        raise Refusal(f"{path} is no session with samples of logic ({error})") from None
 
 
 def _wave(path: Path, samplerate: int, names: Sequence[str], samples: _Samples, stated: Stated) -> Wave:
@@ -70,7 +70,7 @@ def _wave(path: Path, samplerate: int, names: Sequence[str], samples: _Samples, 
                 del found[HEAD:]
             channels[name].extend(found)
             if sum(map(len, channels.values())) > _MOST_EDGES:
-                raise UsageError(
+                raise Refusal(
                     f"{path} has more than {_MOST_EDGES // 10**6} million edges: save it again with the channels of "
                     "the bus only, or a part of it"
                 )
@@ -89,7 +89,7 @@ def _samplerate(said: SectionProxy, path: Path, stated: Stated) -> int:
     if rate := said.get("samplerate"):
         return hertz(rate)
     if not stated.samplerate:
-        raise UsageError(f"{path} does not say how many samples a second has: add --samplerate HZ")
+        raise Refusal(f"{path} does not say how many samples a second has: add --samplerate HZ")
     return stated.samplerate
 
 
@@ -118,7 +118,7 @@ def _sigrok(archive: ZipFile, path: Path, stated: Stated) -> tuple[int, list[str
     parts = _parts(archive, f"{begin}-") or [name for name in archive.namelist() if name == begin]
     places = {name: divmod(number - 1, 8) for number, name in _probes(said).items() if 0 < number <= 8 * size}
     if not 0 < size <= 64 or not places or not parts:
-        raise UsageError(f"{path} has no samples of logic channels: save them from sigrok-cli or PulseView")
+        raise Refusal(f"{path} has no samples of logic channels: save them from sigrok-cli or PulseView")
     tables = [bytes((HIGH if value >> bit & 1 else LOW)[0] for value in range(256)) for bit in range(8)]
 
     def samples() -> _Samples:

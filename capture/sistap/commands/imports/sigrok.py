@@ -17,7 +17,7 @@ from pathlib import Path
 from sistap.commands.imports.sampled import Row, SampledLine, UnreadableRow, bits_to_stop
 from sistap.commands.imports.source import Stated, lines, need_rate
 from sistap.tap.line.settings import Flag, LineSettings
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 FIRST_LINE = r"\d+-\d+ [^:]+: "
 
@@ -29,10 +29,10 @@ _ERRORS = {"Parity error": Flag.CHARACTER_ERROR, "Frame error": Flag.CHARACTER_E
 
 
 def opened(path: Path, stated: Stated) -> SampledLine:
-    """Open a file of annotations. May raise UsageError."""
+    """Open a file of annotations. May raise Refusal."""
     if stated.samplerate is None:
         also = "" if stated.settings.baud else ", and the rate of the bus, such as --baud 9600"
-        raise UsageError(f"{path} counts samples and does not say how many a second has: add --samplerate HZ{also}")
+        raise Refusal(f"{path} counts samples and does not say how many a second has: add --samplerate HZ{also}")
     need_rate(stated.settings, path)
     return SampledLine(path, _rows(path, stated.settings, stated.samplerate), stated)
 

@@ -27,7 +27,7 @@ from sistap.commands.imports.usb_transfers import (
 from sistap.tap.line.settings import Flag, LineSettings, Read
 from sistap.tap.records.framer import Framer
 from sistap.tap.records.record import Record
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 _NOT_SAID = LineSettings(0, 0, "", 0)
 _ENOUGH = 2  # different requests that an adapter of a kind gets
@@ -275,7 +275,7 @@ class UsbCapture:
     """A Source: the characters of one adapter."""
 
     def __init__(self, transfers: AnyTransfers, capture: Path, stated: Stated) -> None:
-        """Find the chosen adapter in the capture. May raise UsageError and TsharkError."""
+        """Find the chosen adapter in the capture. May raise Refusal and TsharkError."""
         self._transfers = transfers
         self._stated = stated
         ports = _ports(self._transfers, stated)
@@ -334,18 +334,18 @@ def _ports(transfers: AnyTransfers, stated: Stated) -> list[_Port]:
 def _chosen(ports: list[_Port], capture: Path, device: str | None, warning: str) -> _Port:
     listed = "; ".join(str(port) for port in ports)
     if not ports:
-        raise UsageError(
+        raise Refusal(
             f"{capture} has no characters of a serial adapter that is known, and no good telegrams; "
             + (warning and f"{warning}; ")
             + "begin the capture before the adapter is plugged in, so that it shows what it is"
         )
     if device is None and len(ports) > 1:
-        raise UsageError(f"{capture} has several adapters: choose one with --device: {listed}")
+        raise Refusal(f"{capture} has several adapters: choose one with --device: {listed}")
     meant = [port for port in ports if device in (None, port.name)]
     if not meant:
-        raise UsageError(f"{capture} has no adapter {device} with characters, only {listed}")
+        raise Refusal(f"{capture} has no adapter {device} with characters, only {listed}")
     if len(meant[0].sources) > 1:
-        raise UsageError(f"{meant[0]} has several serial ports, and their characters cannot be told apart")
+        raise Refusal(f"{meant[0]} has several serial ports, and their characters cannot be told apart")
     return meant[0]
 
 

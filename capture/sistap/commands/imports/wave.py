@@ -16,7 +16,7 @@ from sistap.tap.analyser.finding import BAUDS, FORMATS, Reading, Trace, find, re
 from sistap.tap.analyser.uart import FEWEST_SAMPLES, Uart
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.terminal.advice import shell_word
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 HEAD = 4000  # edges of a channel by which it is judged
 _MOST_CHANNELS = 64  # of an analyser; simulations have more signals
@@ -86,7 +86,7 @@ class _Channel(NamedTuple):
 
 
 def opened(path: Path, wave: Wave, stated: Stated) -> SampledLine:
-    """Find the lines of the bus, and their characters. May raise UsageError."""
+    """Find the lines of the bus, and their characters. May raise Refusal."""
     heads = _heads(path, wave, stated)
     settings = _settings(path, wave, heads, stated)
     length = settings.character_ns * wave.rate // NS
@@ -95,7 +95,7 @@ def opened(path: Path, wave: Wave, stated: Stated) -> SampledLine:
     if len(lines) > 2:
         listed = ", ".join(line.name for line in lines)
         first, second, *_ = lines
-        raise UsageError(
+        raise Refusal(
             f"{path} has {len(lines)} channels that can be lines of the bus ({listed}): name those that are, such as "
             f"--device {shell_word(first.name)} or --device {shell_word(f'{first.name},{second.name}')}"
         )
@@ -129,16 +129,16 @@ def _heads(path: Path, wave: Wave, stated: Stated) -> dict[str, Trace]:
         names = [stated.device] if stated.device in wave.channels else stated.device.split(",")
     if unknown := [name for name in names if name not in wave.channels]:
         listed = ", ".join(wave.channels)
-        raise UsageError(f"{path} has no channel {', '.join(unknown)}: --device names one or two of {listed}")
+        raise Refusal(f"{path} has no channel {', '.join(unknown)}: --device names one or two of {listed}")
     heads = {}
     for name in names:
         edges = wave.channels[name]
         if len(edges) > 1:
             heads[name] = Trace(edges[:HEAD], is_high=False, end=edges[HEAD] if len(edges) > HEAD else wave.end)
     if not heads:
-        raise UsageError(f"{path} has no channel that changes: nothing was received")
+        raise Refusal(f"{path} has no channel that changes: nothing was received")
     if len(heads) > _MOST_CHANNELS:
-        raise UsageError(f"{path} has {len(heads)} channels that change: name those of the bus with --device")
+        raise Refusal(f"{path} has {len(heads)} channels that change: name those of the bus with --device")
     return heads
 
 
@@ -147,7 +147,7 @@ def _settings(path: Path, wave: Wave, heads: Mapping[str, Trace], stated: Stated
     samplerate = stated.samplerate or wave.samplerate or wave.rate
     bauds = [baud for baud in ([stated.baud] if stated.baud else BAUDS) if baud * FEWEST_SAMPLES <= samplerate]
     if not bauds:
-        raise UsageError(f"{path} has {samplerate} samples a second, too few for {stated.baud or BAUDS[0]} Bd")
+        raise Refusal(f"{path} has {samplerate} samples a second, too few for {stated.baud or BAUDS[0]} Bd")
     formats = [stated.format] if stated.format else FORMATS
     found = [reading for head in heads.values() if (reading := find(head, wave.rate, bauds, formats))]
     if found:
@@ -155,9 +155,9 @@ def _settings(path: Path, wave: Wave, heads: Mapping[str, Trace], stated: Stated
     if stated.baud:
         return stated.settings
     if better := _better(wave, heads, is_read=False):
-        raise UsageError(f"{path}: {better}")
+        raise Refusal(f"{path}: {better}")
     listed = ", ".join(f"{name} is a clock" if head.is_clock else name for name, head in heads.items())
-    raise UsageError(
+    raise Refusal(
         f"{path} has no channel with characters at a usual rate ({listed}): if one of them is a line of the bus, add "
         f"--device {shell_word(next(iter(heads)))}, --baud and --format"
     )

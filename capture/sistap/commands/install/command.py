@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.commands.install import personal, shell, sources
-from sistap.commands.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.commands.install.ledger import ElsewhereError, Ledger
 from sistap.commands.install.shell import launcher, settings
 from sistap.dissected.wireshark import folders, profile
 from sistap.dissected.wireshark.tshark import (
@@ -29,7 +29,7 @@ from sistap.tap.common.packages import is_bundle
 from sistap.tap.terminal import programs
 from sistap.tap.terminal.advice import advice
 from sistap.tap.terminal.console import Console, visible
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE
+from sistap.tap.terminal.exits import DONE, FAILED
 from sistap.tap.terminal.state import is_root
 from sistap.tap.terminal.stop import held
 
@@ -96,10 +96,7 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         return _install(args, console)
-    except sources.ModuleError as error:
-        console.say(str(error))
-        return USAGE
-    except (TsharkError, folders.FoldersError, sources.SourceError, LedgerError, RuntimeError, OSError) as error:
+    except (RuntimeError, OSError) as error:
         console.say(str(error))
         return FAILED
 
@@ -156,19 +153,19 @@ def _tell(line: str) -> None:
 
 
 def own_folders() -> folders.Own:
-    """Return Wireshark's own folders and those of a shell. Raise TsharkError or folders.FoldersError."""
+    """Return Wireshark's own folders and those of a shell. Raise TsharkError."""
     with Tshark(drop_rights=False) as tshark:
         return _own(tshark.output("-G", "folders"), for_all=is_root())
 
 
 def profiles() -> Path:
-    """Return this user's folder of profiles. Raise TsharkError or folders.FoldersError."""
+    """Return this user's folder of profiles. Raise TsharkError."""
     with Tshark(drop_rights=False) as tshark:
         return folders.parse(tshark.output("-G", "folders"), for_all=False).profiles
 
 
 def _own(named: str, *, for_all: bool) -> folders.Own:
-    """Return all folders into which install puts files. Raise FoldersError."""
+    """Return all folders into which install puts files. Raise TsharkError."""
     return folders.Own(named, for_all=for_all, others=shell.folders(shell.places(for_all=for_all, windows=WINDOWS)))
 
 

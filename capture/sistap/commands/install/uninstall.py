@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 
 from sistap.commands.install import command, personal
-from sistap.commands.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.commands.install.ledger import ElsewhereError, Ledger
 from sistap.dissected.wireshark import folders, profile
 from sistap.dissected.wireshark.tshark import TsharkError
 from sistap.tap.line import measurement
@@ -57,10 +57,10 @@ def run(args: argparse.Namespace) -> int:
             measurement.forget()
         if Path(__file__).is_relative_to(OF_PACKAGE) and (package := as_typed(advice().package)):
             print(package)
-    except (TsharkError, folders.FoldersError) as error:
+    except TsharkError as error:
         console.say(f"nothing is removed, as only tshark knows which folders are Wireshark's: {error}")
         return FAILED
-    except (LedgerError, RuntimeError, OSError) as error:
+    except (RuntimeError, OSError) as error:
         console.say(str(error))
         return FAILED
     return DONE if removed else FAILED
@@ -70,7 +70,7 @@ def _adopt_profile(ledger: Ledger) -> Path | None:
     """Put the user's copy of the profile on the list; return the folder of profiles, if Wireshark is there."""
     try:
         profiles = command.profiles()
-    except (TsharkError, folders.FoldersError):
+    except TsharkError:
         return None  # without it there is nothing to remove, or `_remove` says so
     personal.adopt(ledger, profiles / profile.NAME)
     return profiles

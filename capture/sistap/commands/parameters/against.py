@@ -11,8 +11,8 @@ from sistap.commands.parameters.reading import FoundAccess
 from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.accesses.listing import MOST, AccessPlace
 from sistap.dissected.telegrams.values import Unreadable, decoded, encoded, same, without_lengths
-from sistap.dissected.wireshark.rows import NotACapture
 from sistap.tap.sis.telegram import shown
+from sistap.tap.terminal.exits import Refusal
 
 
 class _Last(NamedTuple):
@@ -26,7 +26,7 @@ class _Last(NamedTuple):
 def lines(saved: Sequence[tuple[str, Drive]], accesses: Iterable[FoundAccess]) -> Iterator[str]:
     """Yield a line for each parameter that differs; the drives have their stations, "" is every station.
 
-    Raise NotACapture if nothing was compared: that is not the same as no difference.
+    Raise Refusal if nothing was compared: that is not the same as no difference.
     """
     backups = {station: {one.ident: one for one in drive.parameters} for station, drive in saved}
     found = _last(accesses)
@@ -42,7 +42,7 @@ def lines(saved: Sequence[tuple[str, Drive]], accesses: Iterable[FoundAccess]) -
             differing += 1
             yield _line(parameter, last, backup, shown_now or last.access.value)
     if not compared:
-        raise NotACapture(_why_nothing(backups, found))
+        raise Refusal(_why_nothing(backups, found))
     yield f"{differing} of {len(compared)} parameters of {_stations(compared)} differ from the backup"
 
 

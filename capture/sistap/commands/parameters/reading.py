@@ -32,7 +32,7 @@ class FoundAccess(NamedTuple):
 
 
 def found(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None]) -> Iterator[FoundAccess]:
-    """Yield all accesses up to a damage, which is reported. Raise NotACapture or TsharkError."""
+    """Yield all accesses up to a damage, which is reported. Raise Refusal."""
     for portion in portions(captures, _TOGETHER):
         with together(portion, say) as joined:
             yield from _of_capture(tshark, joined, say)

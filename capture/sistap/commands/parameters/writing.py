@@ -6,13 +6,14 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
 from sistap.commands.parameters.backup import Drive, Saved
 from sistap.dissected.accesses.access import Parameter
 from sistap.dissected.accesses.listing import ChangedValue, Listed
 from sistap.dissected.telegrams.values import shown_limit
 from sistap.tap.common.calendar import local
+from sistap.tap.common.table import aligned
 from sistap.tap.sis.telegram import shown
 
 _UNKNOWN = "unknown"
@@ -44,9 +45,8 @@ def list_as_text(listing: Iterable[Listed], *, several_files: bool) -> Iterator[
     left_out = {0} if len({row[0] for row in rows}) == 1 else set()
     left_out |= set() if several_files else {_LIST_HEADS.index("File")}
     left_out |= set() if any(one.raw and one.least for one in found) else {_LIST_HEADS.index("Bytes")}
-    yield from _aligned(
-        [[text for column, text in enumerate(row) if column not in left_out] for row in (_LIST_HEADS, *rows)]
-    )
+    shown = [[text for column, text in enumerate(row) if column not in left_out] for row in (_LIST_HEADS, *rows)]
+    yield from aligned(shown, right=_NUMBERS)
 
 
 def _row(listed: Listed) -> tuple[str, ...]:
@@ -61,16 +61,6 @@ def _row(listed: Listed) -> tuple[str, ...]:
         str(place.packet) if place else "",
         place.file if place else "",
     )
-
-
-def _aligned(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = [
-            text.rjust(width) if head in _NUMBERS else text.ljust(width)
-            for head, text, width in zip(rows[0], row, widths, strict=True)
-        ]
-        yield "  ".join(cells).rstrip()
 
 
 def list_as_csv(listing: Iterable[Listed]) -> Iterator[str]:

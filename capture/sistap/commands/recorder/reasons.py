@@ -22,7 +22,7 @@ from sistap.dissected.wireshark import rows
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files import pcapng
 from sistap.tap.sis.faults import WRITE
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 FAULTS = "faults"  # by the episodes
 NOTHING = "nothing"  # the full ring is enough
@@ -46,9 +46,9 @@ class ByFilter:
     finds = True  # tshark prints only matches, and marks
 
     def __init__(self, tshark: Tshark, keep: str) -> None:
-        """Check the filter with tshark. UsageError."""
+        """Check the filter with tshark. Refusal."""
         if not keep.strip():
-            raise UsageError(f"--keep needs a filter, or {' or '.join([FAULTS, *FILTERS])}")
+            raise Refusal(f"--keep needs a filter, or {' or '.join([FAULTS, *FILTERS])}")
         self._filter = FILTERS.get(keep, keep)
         self._word = WRITE.name if keep in FILTERS else word(keep)
         with tempfile.TemporaryFile() as empty:
@@ -57,7 +57,7 @@ class ByFilter:
             done = tshark.run(["-r", "-", *self.arguments(None)], stdin=empty)
         if done.returncode:
             said = (done.stderr.strip().splitlines() or ["tshark refuses it"])[0].removeprefix("tshark: ")
-            raise UsageError(f"--keep '{keep}': {said}")
+            raise Refusal(f"--keep '{keep}': {said}")
 
     def arguments(self, token: bytes | None) -> Sequence[str]:
         """Return the arguments for tshark: print matches and marks."""
@@ -123,7 +123,7 @@ Judge = ByEpisodes | ByFilter
 def judges(
     tshark: Tshark, keep: Sequence[str], thresholds: Thresholds, values: ValueLines | None = None
 ) -> list[Judge]:
-    """Return who decides: one for each value of --keep; and who gives `values` all values. UsageError; TsharkError
+    """Return who decides: one for each value of --keep; and who gives `values` all values. Refusal
     without a dissector for SIS.
     """
     keeps = FAULTS in keep

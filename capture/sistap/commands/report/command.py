@@ -16,16 +16,14 @@ from sistap.commands.report.page import page
 from sistap.commands.report.plots import drawings
 from sistap.dissected.captures import portions, since
 from sistap.dissected.captures.joining import check_captures, in_order
-from sistap.dissected.captures.reading import NotCaptured
 from sistap.dissected.draw.svg import stacked
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.options import add_rule
-from sistap.dissected.wireshark.rows import NotACapture
-from sistap.dissected.wireshark.tshark import Tshark, TsharkError
-from sistap.tap.common.writing import Incomplete, NotOpened, opened
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.common.writing import opened
 from sistap.tap.sis.limits import milliseconds
 from sistap.tap.terminal.console import STANDARD_OUTPUT, Console, visible
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError, argument
+from sistap.tap.terminal.exits import DONE, Refusal, argument
 from sistap.tap.terminal.writing import FORCE
 
 DESCRIPTION = """\
@@ -154,18 +152,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the report; return the exit code."""
     console = Console()
-    try:
-        name = _format(args)
-        left_out = _Noting(console)
-        args.captures = check_captures(args.captures, left_out, args.output)
-        args.baseline = check_captures(args.baseline, left_out, args.output) if args.baseline else []
-        _write(args, name, console, left_out)
-    except (UsageError, NotACapture, NotCaptured, NotOpened) as error:
-        console.say(str(error))
-        return USAGE
-    except (Incomplete, TsharkError) as error:
-        console.say(str(error))
-        return FAILED
+    name = _format(args)
+    left_out = _Noting(console)
+    args.captures = check_captures(args.captures, left_out, args.output)
+    args.baseline = check_captures(args.baseline, left_out, args.output) if args.baseline else []
+    _write(args, name, console, left_out)
     return DONE
 
 
@@ -176,7 +167,7 @@ def _format(args: argparse.Namespace) -> str:
         return "html"
     ending = Path(args.output).suffix.lstrip(".").lower()
     if ending not in _ENDINGS:
-        raise UsageError(f"'{args.output}' does not say what to write: end it in .html, or use --format")
+        raise Refusal(f"'{args.output}' does not say what to write: end it in .html, or use --format")
     return _ENDINGS[ending]
 
 

@@ -48,7 +48,7 @@ class Report:
 
 
 def learned(tshark: Tshark, captures: Iterable[Portion], thresholds: Thresholds) -> Engine:
-    """Return what knows a good capture. NotACapture, TsharkError."""
+    """Return what knows a good capture. Refusal."""
     engine = Engine(thresholds=thresholds)
     with Dissection(tshark, captures, keeps=False) as dissection, uncollected():
         for packet in dissection.packets():
@@ -72,7 +72,7 @@ def gather(  # noqa: PLR0913 - each comes from another part
     came before `since_s` only tells what is usual, and so does the engine `before` of a good capture. Without windows,
     nothing is kept for them.
 
-    NotACapture, TsharkError, Incomplete.
+    Refusal.
     """
     figures, engine = Figures(), Engine(before, thresholds, since_s)
     preferences = {f"sis.{name}_ms": value for name, value in limits_ms.items()}

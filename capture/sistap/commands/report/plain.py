@@ -19,6 +19,7 @@ from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import EXCEEDED, OK, UNRESOLVED, Packet
 from sistap.dissected.packets.distribution import Distribution
 from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
+from sistap.tap.common.table import aligned
 from sistap.tap.sis.faults import FAULTS
 from sistap.tap.sis.telegram import service_name
 
@@ -53,10 +54,8 @@ def _table(table: tables.ReportTable) -> str:
     if not table.rows:
         return ""
     rows = [table.heads, *table.rows] if table.heads else table.rows
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     note = [textwrap.fill(table.note, WIDTH)] if table.note else []
-    return "\n".join([table.title, "-" * len(table.title), *note, *lines])
+    return "\n".join([table.title, "-" * len(table.title), *note, *aligned(rows)])
 
 
 def as_json(report: Report) -> str:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from sistap.commands.report import curved
 from sistap.commands.report.curves import Curve, CurvePoint
 from sistap.commands.report.gather import Report
-from sistap.commands.report.tables import ANCHOR, EPISODES_SHOWN, before, ms, of_device
+from sistap.commands.report.tables import ANCHOR, EPISODES_SHOWN, before, of_device
 from sistap.commands.report.windows import ReportWindow
 from sistap.dissected.accesses.listing import Listed
 from sistap.dissected.draw.panel import (
@@ -35,7 +35,9 @@ from sistap.dissected.episodes.episode import Episode
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import EXCEEDED, Packet, Telegram
 from sistap.dissected.packets.distribution import Distribution, Slices
+from sistap.tap.records.record import ms
 from sistap.tap.sis.faults import FAULTS
+from sistap.tap.sis.limits import limit_text
 from sistap.tap.sis.telegram import service_name
 
 _LANES = 12  # the busiest stations and services; more would not be readable
@@ -164,7 +166,7 @@ def intervals(report: Report) -> Drawing | None:
         for limit_s in limits:
             top = panel.y.high
             panel.add(Polyline([(limit_s, 0.5), (limit_s, top)], "bad", _RED_PT, is_dashed=True))
-            panel.add(Text(limit_s, top, f"TzA {limit_s * 1e3:g} ms", "bad", 10, up=-10, right=3))
+            panel.add(Text(limit_s, top, f"TzA {limit_text(limit_s)}", "bad", 10, up=-10, right=3))
         return [[panel]]
 
     return Drawing("Intervals between characters", _NARROW_IN, 3.2, draw, is_wide=False)

@@ -24,10 +24,10 @@ from sistap.dissected.packets.distribution import Distribution
 from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
 from sistap.tap.common.calendar import local
 from sistap.tap.line import drivers
-from sistap.tap.records.record import Event, Framing, interval_text
+from sistap.tap.records.record import Event, Framing, ms
 from sistap.tap.sis import faults as faults_of_sis
 from sistap.tap.sis.faults import FAULTS
-from sistap.tap.sis.limits import NAMES, told
+from sistap.tap.sis.limits import NAMES, limit_text, told
 from sistap.tap.sis.telegram import service_name
 
 _FRAMINGS = {
@@ -81,19 +81,9 @@ class ReportTable(NamedTuple):
     note: str = ""  # stands between the heading and the rows
 
 
-def ms(time_s: float) -> str:
-    """Write a time as the dissector writes it."""
-    return interval_text(round(time_s * 1e9))
-
-
 def _measured(time_s: float | None, times: Distribution) -> str:
     """Write a figure of some times. There is none if all came in one read, or the clock was set back."""
     return "not measured" if time_s is None or not times.count else ms(time_s)
-
-
-def ms_short(time_s: float) -> str:
-    """Write a limit, which is a whole number of ms."""
-    return f"{time_s * 1e3:g} ms"
 
 
 def answer(report: Report) -> list[str]:
@@ -167,7 +157,7 @@ def summary(report: Report) -> ReportTable:
         ("Telegrams", f"{figures.telegrams}, {damaged} of them with a wrong checksum or none"),
         ("Uncertainty of the times", _uncertainty(figures)),
         ("In the same read", _same_read(figures)),
-        (f"Silences above {ms_short(SILENCE_S)}", str(figures.silences.long)),
+        (f"Silences above {limit_text(SILENCE_S)}", str(figures.silences.long)),
     ]
     if (times := figures.frame_intervals).count:  # that are no SIS telegrams
         half, most = ms(times.within_s(0.5)), ms(times.longest_s)
@@ -274,7 +264,7 @@ def _count(limit: Limit, verdict: int) -> str:
 
 def limits(limit: Limit) -> str:
     """Write the limits that held."""
-    return ", ".join(map(ms_short, sorted(limit.limits_s))) or "not known"
+    return ", ".join(map(limit_text, sorted(limit.limits_s))) or "not known"
 
 
 def pauses(report: Report) -> ReportTable:

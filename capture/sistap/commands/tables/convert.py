@@ -28,8 +28,7 @@ def put(  # noqa: PLR0913 - each comes from another part
 ) -> None:
     """Add captures to the tables, in the order of their time, and report the results.
 
-    What happened is judged over all of them, so known ones are read again if one is new. Raise NotACapture,
-    TsharkError, Incomplete or NoSuchTime.
+    What happened is judged over all of them, so known ones are read again if one is new. Raise Refusal.
     """
     digests = [_digest(capture, tap) for capture in captures]
     judged = hashlib.blake2b("".join([*digests, str(thresholds)]).encode()).hexdigest()[:32]

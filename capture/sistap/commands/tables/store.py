@@ -25,8 +25,9 @@ import pyarrow.parquet as pq
 
 from sistap.commands.tables.rows import Row
 from sistap.commands.tables.schema import TABLES
-from sistap.tap.common.writing import Beside, Incomplete, make_folder
+from sistap.tap.common.writing import Beside, make_folder
 from sistap.tap.terminal.console import visible
+from sistap.tap.terminal.exits import FAILED, Refusal
 from sistap.tap.terminal.stop import held
 from sistap.tap.terminal.writing import mode_like
 
@@ -67,7 +68,7 @@ class Store:
 
     def put(self, digest: str, capture: Path, tap: str, rows: Iterable[Row], name: str = "") -> int:
         """Add a capture's rows; return how many are new. `name` is for rows of several captures: they replace earlier
-        ones of the same name. Incomplete if there is no room.
+        ones of the same name. Refusal if there is no room.
         """
         incoming = _Incoming(self._root, capture, tap, name)
         try:
@@ -78,9 +79,7 @@ class Store:
             self._write_note(digest, capture, incoming.id, files)
         except OSError as error:
             reason = error.strerror or error
-            raise Incomplete(f"{self._root} is incomplete: {reason}; make room, and run it again") from None
-        except _Strange as strange:
-            raise Incomplete(f"{strange}: move what is none of the tables away, and run it again") from None
+            raise Refusal(f"{self._root} is incomplete: {reason}; make room, and run it again", FAILED) from None
         finally:
             incoming.clear()
         return incoming.count
@@ -106,10 +105,6 @@ class Store:
         for file in self._root.glob(f"*/tap=*/day=*/*-{capture_id}-*.parquet"):
             if file.relative_to(self._root).as_posix() not in files:
                 file.unlink()
-
-
-class _Strange(Exception):
-    """A file in the folder is not one of these tables; the text says which one."""
 
 
 class _Incoming:
@@ -178,7 +173,8 @@ class _Incoming:
         try:
             known = ds.dataset(files, table.schema).to_table([*table.same], (time >= min(times)) & (time <= max(times)))
         except pa.ArrowInvalid as error:  # it names the file
-            raise _Strange(str(error).partition("\n")[0]) from None
+            strange = str(error).partition("\n")[0]
+            raise Refusal(f"{strange}: move what is none of the tables away, and run it again", FAILED) from None
         there = set(zip(*known.to_pydict().values(), strict=True))
         key = itemgetter(*table.same)
         return (row for row in values if key(row) not in there)

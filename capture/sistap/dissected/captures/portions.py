@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 from sistap.dissected.captures import reading
 from sistap.dissected.captures.joining import alone, begin_ns, in_order, is_foreign, joined
-from sistap.dissected.captures.reading import NotCaptured
 from sistap.tap.common import temporary
 from sistap.tap.files import pcapng
 from sistap.tap.records.before import Before, heard
 from sistap.tap.records.record import Event
+from sistap.tap.terminal.exits import NotCaptured
 
 # Bytes of captures that are read at once: tshark needs up to three times as much memory. So it needs about 1 GB.
 TOGETHER = 400_000_000

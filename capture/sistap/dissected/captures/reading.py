@@ -13,7 +13,7 @@ from typing import BinaryIO, NamedTuple, cast
 from sistap.tap.files import pcapng
 from sistap.tap.records import record
 from sistap.tap.records.record import Record
-from sistap.tap.terminal.exits import Error
+from sistap.tap.terminal.exits import NotCaptured
 
 _MAGIC = 0x1A2B3C4D
 _LARGEST = 1 << 24  # bytes of a block; Wireshark's limit for packets is far smaller
@@ -30,10 +30,6 @@ OTHER_PACKETS = (2, 3)  # kinds of blocks that name no interface, or are obsolet
 _CURE = "open and save it in Wireshark"
 
 Say = Callable[[str], object]
-
-
-class NotCaptured(Error, ValueError):
-    """The file cannot be read as a capture; the text is one line with the cure."""
 
 
 class Block(NamedTuple):

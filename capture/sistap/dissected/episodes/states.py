@@ -14,6 +14,7 @@ from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.dissected.packets.dissection import Packet, Telegram
 from sistap.dissected.wireshark.rows import EVENT
 from sistap.tap.records.record import CLOCK_MOVED, Event
+from sistap.tap.sis.limits import limit_text
 
 _MOVED = re.compile(CLOCK_MOVED.replace("{:+.3f}", r"([-+][\d.]+)") + r"|system time jumped by ([-+][\d.]+) s")
 _IDENTIFY = 0x00
@@ -92,7 +93,7 @@ class LimitChanges:
 
 def _changed(packet: Packet, station: int, name: str, before_s: float | None, limit_s: float) -> Iterator[Hit]:
     if before_s is not None:
-        change = f"{name} {before_s * 1e3:g}{ARROW}{limit_s * 1e3:g} ms"
+        change = f"{name} {before_s * 1e3:g}{ARROW}{limit_text(limit_s)}"
         yield hit_of("limits", packet, station, change)._replace(topic=change)
 
 

@@ -284,7 +284,7 @@ class Dissection:
         return [name for name in self._fields if name not in self._known]
 
     def packets(self) -> Iterator[Packet]:
-        """Yield all packets, once. May raise NotACapture, TsharkError and Incomplete."""
+        """Yield all packets, once. May raise Refusal."""
         return _of_traffic(self._packets())
 
     def again(self, spans: Collection[Span]) -> Iterator[Packet]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.common.packed import no_capture
 from sistap.tap.terminal.console import visible
-from sistap.tap.terminal.exits import Error
+from sistap.tap.terminal.exits import NotCaptured
 
 NO_DISSECTOR = (
     "tshark has no dissector for SIS: `sistap install` puts one where it looks, or name its folder in "
@@ -32,10 +32,6 @@ _USUAL = bytes(byte for byte in range(128) if not _ODD.match(chr(byte)))
 _NAMED = {"Bad": "0", "Good": "1", "Unverified": "2", "Not present": "3"}  # checksum.status of later versions
 _CUT = ("cut short", "damaged")
 _NOT_A_CAPTURE = "isn't a capture file"
-
-
-class NotACapture(Error):
-    """tshark cannot read the file; the text is the line to show."""
 
 
 def printing(names: Iterable[str], joint: str = JOINT) -> list[str]:
@@ -144,10 +140,10 @@ def last_words(error: TsharkError, capture: str = "the capture") -> str:
 def damage(capture: Path, error: TsharkError, came: bool) -> str:
     """Describe the damage of a capture at whose end tshark failed; `came`: tshark printed something before.
 
-    NotACapture if it is none, TsharkError if tshark failed for another reason.
+    NotCaptured if it is none, TsharkError if tshark failed for another reason.
     """
     if is_no_capture(error):
-        raise NotACapture(no_capture(capture)) from None
+        raise NotCaptured(no_capture(capture)) from None
     last = last_words(error)
     if not came and not is_cut(error):
         raise TsharkError(f"tshark: {last}") from None

@@ -28,7 +28,7 @@ from sistap.tap.common.complaints import Complaints
 from sistap.tap.terminal import programs
 from sistap.tap.terminal.advice import advice
 from sistap.tap.terminal.console import Console
-from sistap.tap.terminal.exits import Error
+from sistap.tap.terminal.exits import FAILED, Refusal
 from sistap.tap.terminal.state import ROOT, only_root_writes
 from sistap.tap.terminal.stop import held
 
@@ -102,8 +102,10 @@ def environment(program: str) -> dict[str, str]:
     return own
 
 
-class TsharkError(Error):
+class TsharkError(Refusal):
     """tshark is missing or failed; the text is the line to show."""
+
+    code = FAILED
 
 
 class Version(NamedTuple):

@@ -22,7 +22,7 @@ from typing import NamedTuple
 from sistap.tap.files.lasting import PROMISED_S, Lasting
 from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.console import PIECE, STANDARD_OUTPUT, is_reader_gone, never_waiting
-from sistap.tap.terminal.exits import Error
+from sistap.tap.terminal.exits import FAILED, Refusal
 from sistap.tap.terminal.programs import typed
 from sistap.tap.terminal.writing import WINDOWS_PIPES, lock, mode_like, no_link
 
@@ -34,15 +34,17 @@ _WAIT_MS = 100  # upper bound on the time to stop
 _PAUSE_S = 0.01  # a terminal may report room and then not accept anything
 
 
-class OutputError(Error):
+class OutputError(Refusal):
     """No more can be written; str() is the line to show."""
+
+    code = FAILED
 
 
 class ReaderGone(OutputError):
     """Nobody reads the pipe any more."""
 
 
-class OutputRefused(Error):
+class OutputRefused(Refusal):
     """The output cannot be written to; str() is the line to show, of a command."""
 
     def __init__(self, what: str, cure: str = "; choose another file with -w") -> None:

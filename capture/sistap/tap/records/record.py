@@ -26,6 +26,11 @@ def interval_text(interval_ns: int) -> str:
     return f"{'more than ' if interval_ns == INTERVAL_MAX else ''}{interval_ns / 1e6:.3f} ms"
 
 
+def ms(time_s: float) -> str:
+    """Write a time as the dissector writes it."""
+    return interval_text(round(time_s * 1e9))
+
+
 class Type(enum.IntEnum):
     """The contents of a record."""
 

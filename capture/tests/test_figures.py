@@ -1,0 +1,483 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a report says of telegrams whose times are known to the microsecond: each figure worked out by hand.
+
+A character at 9600 Bd 8E1 has eleven bits: 1.146 ms. A verdict with the interval I, the limit L and the uncertainty u:
+kept if I + u <= L; and whether I or I less a character counts, no document says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, cast
+
+import pytest
+from machines import BEGIN_S, LAPTOP, PLC, access, judged, packet, telegram
+
+from sistap.commands.report import tables, windows
+from sistap.commands.report.figures import Figures
+from sistap.commands.report.gather import Report
+from sistap.commands.report.unjudged import unjudged
+from sistap.commands.report.windows import Window
+from sistap.dissected.episodes.episode import Episode, Hit
+from sistap.dissected.packets.dissection import EXCEEDED, OK, UNRESOLVED, Dissection, Judged, Packet, Telegram
+from sistap.dissected.packets.distribution import Distribution, Slices
+from sistap.dissected.wireshark.rows import EVENT, OTHER
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import KEPT, Event, Framing
+
+MS = 1e-3
+U_S = 0.3 * MS
+
+
+def report(*packets: Packet, episodes: Sequence[Episode] = (), **more: Any) -> Report:
+    figures = Figures()
+    for one in packets:
+        figures.add(one)
+    figures.finish()
+    return Report(figures, [*episodes], [], [], "", {}, **more)
+
+
+def at(second: float, *telegrams: Telegram, **more: Any) -> Packet:
+    """Return a record so long after the first."""
+    more = {"uncertainty_s": U_S, "number": int(second * 10) + 1, "time_s": second} | more
+    return packet(BEGIN_S + second, *telegrams, **more)
+
+
+def row(table: tables.Table, head: str, number: int = 0) -> str:
+    return table.rows[number][table.heads.index(head)]
+
+
+def said(table: tables.Table) -> dict[str, str]:
+    return {name: text for name, text, *_ in table.rows}
+
+
+def answered(reaction: Judged | None = None, **more: Any) -> Telegram:
+    return telegram(3, PLC, is_reaction=True, reaction=reaction, **more)
+
+
+def paused(time_ms: float, limit_ms: float | None = 2.0, verdict: int | None = OK, place: int = 5) -> Telegram:
+    """Return a reaction with this longest interval before a character."""
+    limit_s = None if limit_ms is None else limit_ms * MS
+    return answered(pause=judged(time_ms * MS, limit_s, verdict), pause_position=place)  # type: ignore[arg-type]
+
+
+# -- TzA: intervals by talker ----------------------------------------------------------------------------------------
+
+
+def pauses(*telegrams: Telegram, **more: Any) -> tables.Table:
+    return tables.pauses(report(*(at(second, one, **more) for second, one in enumerate(telegrams))))
+
+
+def test_the_smallest_safe_tza_is_the_longest_interval_with_its_uncertainty() -> None:
+    table = pauses(paused(1.2), paused(1.5, place=7), paused(1.5, place=9))
+    assert table.rows == [
+        ("3", "9600 Bd", "3", "1.500 ms", "7", "1.800 ms", "90%", "2 ms", "1 ms", "", ""),
+    ]  # of equal ones the first; 1.8 ms less a character are 0.654 ms
+
+
+@pytest.mark.parametrize(
+    ("longest_ms", "safe", "alone"),
+    [(1.7, "2 ms", "1 ms"), (1.701, "3 ms", "1 ms"), (1.845, "3 ms", "1 ms"), (1.846, "3 ms", "2 ms")],
+)
+def test_it_is_whole_ms(longest_ms: float, safe: str, alone: str) -> None:
+    table = pauses(paused(longest_ms, None, None))
+    assert (row(table, "Smallest safe TzA"), row(table, "If only the pause counts")) == (safe, alone)
+    assert row(table, "Share of TzA") == ""
+
+
+def test_without_an_uncertainty_nobody_knows_what_is_safe() -> None:
+    figures = [at(0, paused(1.2)), at(1, paused(1.5), uncertainty_s=None)]
+    table = tables.pauses(report(*figures))
+    assert (row(table, "Longest interval"), row(table, "With its uncertainty")) == ("1.500 ms", "")
+    assert row(table, "Smallest safe TzA") == row(table, "If only the pause counts") == "not known"
+
+
+@pytest.mark.parametrize(("count", "text"), [(5, ""), (6, "fewer than 1 in 2"), (3000, "fewer than 1 in 1000")])
+def test_how_rare_longer_ones_are(count: int, text: str) -> None:
+    """Of n without a single one: with 95 % confidence less than 3 of n."""
+    assert row(pauses(*[paused(1.2)] * count), "Longer ones (95 % sure)") == text
+
+
+@pytest.mark.parametrize(
+    ("times_ms", "text"),
+    [
+        ([1.9], "1; an uncertainty below 0.100 ms decides them"),
+        ([1.9, 1.8], "2; an uncertainty below 0.100 ms decides them"),
+        ([2.0], "1; exactly the limit"),
+        ([2.5], "1; 1 depends on where TzA begins to count"),  # without a character 1.354 ms
+        ([2.5, 2.6, 1.9], "3; an uncertainty below 0.100 ms decides 1, 2 depend on where TzA begins to count"),
+        ([3.2], "1; an uncertainty below 0.054 ms decides them"),  # without a character 2.054 ms
+    ],
+)
+def test_what_would_decide_the_unresolved(times_ms: Sequence[float], text: str) -> None:
+    assert row(pauses(*(paused(time_ms, 2.0, UNRESOLVED) for time_ms in times_ms)), "Unresolved") == text
+
+
+def test_a_rate_that_nobody_knows() -> None:
+    """Then no character time is known: what only the pause could decide depends on what counts."""
+    table = pauses(paused(3.2, 2.0, UNRESOLVED), baud=None)
+    assert row(table, "Rate") == "" and row(table, "Unresolved") == "1; 1 depends on where TzA begins to count"
+
+
+def test_talkers_and_rates_are_told_apart_and_lost_or_damaged_telegrams_are_not_counted() -> None:
+    table = tables.pauses(
+        report(
+            at(0, paused(1.2), intervals_s=[1.2 * MS]),
+            at(1, paused(1.3), baud=19200, intervals_s=[1.3 * MS]),
+            at(2, telegram(PLC, 3, pause=judged(1.4 * MS, 2 * MS, OK)), intervals_s=[1.4 * MS]),
+            at(3, paused(9.0), errors=int(Flag.LOST_BEFORE), intervals_s=[9 * MS]),
+            at(4, paused(9.0), intervals_s=[9 * MS], same_read=1),  # all came in one read
+            at(5, answered(good=False, pause=judged(9 * MS, 2 * MS, OK)), intervals_s=[9 * MS]),
+        )
+    )
+    assert [one[:4] for one in table.rows] == [
+        ("1", "9600 Bd", "1", "1.400 ms"),
+        ("3", "9600 Bd", "1", "1.200 ms"),
+        ("3", "19200 Bd", "1", "1.300 ms"),
+    ]
+
+
+def test_places_in_a_telegram() -> None:
+    """From the 24th character on, places are counted together."""
+    long = [1 * MS] * 22 + [3 * MS, 5 * MS]  # before characters 2 to 25
+    table = tables.places(report(at(0, paused(5), intervals_s=long), at(1, paused(2), intervals_s=[2 * MS])))
+    assert table.rows[0] == ("2", "2", "1.500 ms", "2.000 ms", "2.000 ms")
+    assert table.rows[1] == ("3", "1", "1.000 ms", "1.000 ms", "1.000 ms")
+    assert table.rows[-1] == ("24 and later", "2", "4.000 ms", "5.000 ms", "5.000 ms")
+    assert len(table.rows) == 23
+
+
+def test_all_intervals_of_telegrams_together() -> None:
+    """Also of damaged ones; not of what came in one read."""
+    records = [paused(1), answered(good=False), paused(1)]
+    made = report(*(at(n, one, intervals_s=[n * MS, 2 * MS], same_read=n) for n, one in enumerate(records, 0)))
+    intervals = made.figures.pauses.intervals
+    assert (intervals.count, intervals.longest_s) == (4, 2 * MS)
+    assert intervals.average_s == pytest.approx(1.25 * MS)
+
+
+# -- Stations, services, verdicts ------------------------------------------------------------------------------------
+
+
+def exchanges() -> list[Packet]:
+    """Station 3 answers twice, once with an error, and not once; 4 never; master 1 sends again."""
+    return [
+        at(0, telegram(PLC, 3)),
+        at(0.1, answered(judged(10 * MS, 50 * MS, OK))),
+        at(1, telegram(PLC, 3)),
+        at(1.1, answered(judged(60 * MS, 50 * MS, EXCEEDED), is_refusal=True, is_doubtful=True)),
+        at(2, telegram(PLC, 3, unanswered=True)),
+        at(3, telegram(PLC, 3, is_repeat=True)),
+        at(3.1, answered(judged(0.0, 50 * MS, UNRESOLVED))),  # in one read with its command
+        at(4, telegram(PLC, 4, unanswered=True)),
+        at(5, answered(good=False)),
+    ]
+
+
+def test_stations() -> None:
+    table = tables.stations(report(*exchanges()))
+    assert table.rows == [
+        ("1", "5", "0", "0", "1", "0", "", "", "", "0", "0"),
+        ("3", "0", "3", "1", "0", "1", "10.000 ms", "60.000 ms", "", "1", "0"),
+        ("4", "0", "0", "0", "0", "1", "", "", "", "0", "0"),
+    ]
+
+
+def test_reaction_times_by_service_and_verdicts() -> None:
+    made = report(*exchanges())
+    (service,) = tables.services(made).rows
+    times = "10.000 ms", "35.000 ms", "10.000 ms", "60.000 ms", "60.000 ms"
+    assert service == ("0x10 Read parameter", "2", *times, "50 ms", "1", "1")
+    assert [one[1:6] for one in tables.verdicts(made).rows] == [
+        ("not known", "0", "0", "0", "0"),
+        ("50 ms", "1", "1", "1", "0"),
+        ("not known", "0", "0", "0", "0"),
+    ]
+    assert tables.verdicts(made).note.startswith("1 unresolved: the times are uncertain by 0.300 ms. ")
+    assert said(tables.summary(made))["Telegrams"] == "9, 1 of them with a wrong checksum or none"
+
+
+def test_where_no_limit_is_known_nothing_is_said_to_be_kept() -> None:
+    made = report(at(0, telegram(PLC, 3)), at(0.1, answered(judged(10 * MS, None, None))))  # type: ignore[arg-type]
+    assert tables.verdicts(made).rows[1][1:6] == ("not known", "not judged", "not judged", "not judged", "1")
+    assert tables.stations(made).rows[1][-2:] == ("not judged", "0")
+    assert unjudged(made.figures) == ["reaction times (no TrS)"]
+    assert made.answer[0].text.startswith("OK as far as it was judged, ")
+
+
+def test_of_which_stations_a_limit_is_missing() -> None:
+    known = [at(0, answered(judged(10 * MS, 50 * MS, OK)))]
+    for count, who in ((0, []), (1, ["station 5"]), (2, ["stations 5, 6"])):
+        others = [
+            at(5 + n, telegram(5 + n, PLC, is_reaction=True, reaction=Judged(0.01, None, None))) for n in range(count)
+        ]
+        assert unjudged(report(*known, *others).figures) == [f"reaction times of {one} (no TrS)" for one in who]
+
+
+def test_a_master_that_is_unanswered_or_a_packet_without_address_has_no_station() -> None:
+    made = report(at(0, telegram(None, None)), at(1, telegram(PLC, None, unanswered=True)))
+    assert [one[:6] for one in tables.stations(made).rows] == [("1", "1", "0", "0", "0", "0")]
+
+
+# -- What was captured -----------------------------------------------------------------------------------------------
+
+
+def test_how_exact_the_times_are() -> None:
+    def exact(*uncertain_s: float | None) -> str:
+        records = [at(n, telegram(PLC, 3), uncertainty_s=one) for n, one in enumerate(uncertain_s)]
+        return said(tables.summary(report(*records)))["Uncertainty of the times"]
+
+    assert exact(0.0003, 0.0003) == "0.300 ms"
+    assert exact(0.002, 0.0003, 0.001) == "0.300 ms to 2.000 ms"
+    assert exact(0.0003, None, None) == "0.300 ms; unknown in 2 records"
+    assert exact(None) == "unknown"
+    assert exact() == "there are no times of characters"
+
+
+def test_records_of_all_kinds() -> None:
+    blocks = [at(n, framing=int(Framing.PROCEDURE_3964R), intervals_s=[n * MS]) for n in (1, 2, 3)]
+    other = at(7, type=OTHER, intervals_s=[0.5], framing=int(Framing.PROCEDURE_3964R))
+    lost = at(8, framing=int(Framing.PROCEDURE_3964R), intervals_s=[9 * MS], errors=int(Flag.LOST_BEFORE))
+    said_ = said(tables.summary(report(at(0, telegram(PLC, 3)), *blocks, other, lost, at(8, type=EVENT, event=1))))
+    assert said_["Packets"] == "7: 1 telegrams, 1 other characters, 1 events, 4 handshakes and blocks of 3964R"
+    between = "half within 2.000 ms, the longest 3.000 ms"
+    assert said_["Intervals in other frames"] == f"3, from character to character: {between}"
+    assert (said_["Duration"], said_["Line"]) == ("8.009 s", "9600 Bd 8E1")
+
+
+def test_intervals_in_one_read() -> None:
+    records = [at(n, paused(1.2), intervals_s=[1 * MS] * 3, same_read=n) for n in range(3)]
+    same = said(tables.summary(report(*records)))["In the same read"]
+    assert same == "3 of 9 intervals in telegrams: their length is not known"
+
+
+def test_silences_are_those_above_200_ms_and_of_the_longest_the_first_counts() -> None:
+    silences = (0.2, 0.201, 0.5, 0.5, 0.3)
+    records = [at(n, telegram(PLC, 3, silence=Judged(one, None, None))) for n, one in enumerate(silences)]
+    made = report(*reversed(records))
+    assert said(tables.summary(made))["Silences above 200 ms"] == "4"
+    assert (made.figures.silences.longest_s, made.figures.silences.before) == (0.5, 21)
+
+
+def test_events_of_the_tap_are_the_first_twenty() -> None:
+    events = [at(n, type=EVENT, event=int(Event.MARKER), text=f"{n}") for n in range(22)]
+    table = tables.events(report(at(0, telegram(PLC, 3)), *events))
+    assert table.title == "Events of the tap (and 2 times more)" and len(table.rows) == 20
+    assert table.rows[2][:2] + table.rows[2][3:] == ("21", "2.000000", "Marker", "2")
+
+
+@pytest.mark.parametrize(("lasts_s", "length"), [(86_400, 12), (86_401, 23)])
+def test_beyond_a_day_a_time_has_its_date(lasts_s: float, length: int) -> None:
+    assert len(tables.clock(report(at(0), at(lasts_s)).figures, 1.5)) == length
+
+
+SAYS, DENIES = "line errors at their character", "no line errors are reported"  # the adapter, as a capture begins
+
+
+def started(text: str) -> Packet:
+    return at(0, type=EVENT, event=int(Event.CAPTURE_STARTED), text=text)
+
+
+REMARKS: Sequence[tuple[str, Callable[[], Report]]] = (
+    ("The capture has no packets.", report),
+    ("The capture has no SIS telegrams.", lambda: report(at(0))),
+    ("The packets are no records of the tap: there are no times of characters", lambda: report(at(0, type=None))),
+    ("It has 1 lines of text: their limits are not judged here.", lambda: report(at(0, framing=int(Framing.ASCII)))),
+    ("TrS was not set (service 0x03) while this was captured", lambda: report(at(0, answered(Judged(1, None, None))))),
+    ("TzA was not set (service 0x03) while this was captured", lambda: report(at(0, paused(1, None, None)))),
+    ("The packet numbers count through all 2 files", lambda: report(at(0), files=2)),
+    (
+        "A recorder kept these files one by one",
+        lambda: report(at(0, type=EVENT, event=int(Event.CAPTURE_STARTED), text=f"a tap{KEPT}late"), files=2),
+    ),
+    ("The adapter reports no line errors: damaged", lambda: report(started(DENIES))),
+    (
+        "Telegrams are damaged, but there is not one line error",
+        lambda: report(started(SAYS), at(1, answered(good=False))),
+    ),
+    (
+        "Reactions that came in one read with their command, or without one, are in no median: station 3 (1 of 3). ",
+        lambda: report(*exchanges()),
+    ),
+)
+
+
+@pytest.mark.parametrize(("text", "make"), REMARKS, ids=lambda one: one[:30] if isinstance(one, str) else "")
+def test_what_a_reader_has_to_know(text: str, make: Callable[[], Report]) -> None:
+    quiet = report(
+        started(SAYS),
+        at(0, type=EVENT, event=int(Event.MARKER), text=DENIES),
+        at(0, telegram(PLC, 3)),
+        at(0.1, answered(judged(10 * MS, 50 * MS, OK))),
+    )
+    assert any(one.startswith(text) for one in tables.remarks(make()))
+    assert not any(one.startswith(text) for one in tables.remarks(quiet))
+
+
+def test_one_unmeasured_reaction_of_a_hundred_does_not_matter() -> None:
+    def told(of: int) -> list[str]:
+        times = [0.0, *[0.01] * (of - 1)]
+        return tables.remarks(report(*(at(n, answered(judged(one, 0.05, OK))) for n, one in enumerate(times))))
+
+    assert not told(100) and told(99)[0].endswith(
+        "are in no median: station 3 (1 of 99). Uncertainty of the times: 0.300 ms."
+    )
+
+
+# -- Parameters and episodes -----------------------------------------------------------------------------------------
+
+
+def test_parameters() -> None:
+    values = [access(3, "S-0-0040", one) for one in (7.0, 9.0, 5.0)]
+    wrote = access(3, "S-0-0040", 6.0, is_write=True, master=LAPTOP)
+    refused = access(3, "S-0-0040", "", error="0x7002")
+    made = report(*(at(n, accesses=[one]) for n, one in enumerate([*values, wrote, refused])))
+    (only,) = tables.parameters(made).rows
+    assert only == (
+        *("S-0-0040", "station 3, device 4", "", "rpm", "3", "1", "1"),
+        *("7.0 rpm", "6.0 rpm", "5.0 rpm", "9.0 rpm", "127", "31"),
+    )
+
+
+def test_more_than_500_parameters_are_not_read_by_anybody() -> None:
+    made = report(at(0, accesses=[access(3, f"P-0-{number:04}", 1.0) for number in range(502)]))
+    table = tables.parameters(made)
+    assert table.title == "Parameters (and 2 more: `sistap parameters` lists all)" and len(table.rows) == 500
+
+
+def test_episodes_have_a_duration_in_words() -> None:
+    def lasting(seconds: float) -> str:
+        found = Episode.of(Hit("late", 7, BEGIN_S, BEGIN_S + seconds, 3))
+        return row(tables.episodes(report(at(0), episodes=[found])), "Duration")
+
+    spans = (0.9, 1.0, 9.94, 299, 300, 7199, 7200, 7320)
+    assert [*map(lasting, spans)] == ["", "1.0 s", "9.9 s", "299 s", "5 min", "120 min", "2 h 0 min", "2 h 2 min"]
+
+
+def test_in_several_files_an_episode_is_found_by_its_time() -> None:
+    found = Episode.of(Hit("late", 7, BEGIN_S, BEGIN_S, 3))
+    of_one, of_two = (row(tables.episodes(report(at(0), episodes=[found], files=n)), "Display filter") for n in (1, 2))
+    assert of_one == "frame.number in {7}" and of_two.startswith("frame.time_epoch >= ")
+
+
+# -- Windows ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", ["1", "1+", "1+0", "-1+1", "1e10+1", "1+1e10", "x+1", "nan+1"])
+def test_what_is_no_window(text: str) -> None:
+    with pytest.raises(ValueError, match="is not START"):
+        windows.parse(text)
+
+
+def test_a_window_has_what_reaches_into_it() -> None:
+    window = windows.parse("1+2")
+    assert (window.title, window.start_s, window.end_s) == ("Asked for: 2 s from 1 s", 1, 3)
+    times = (0.8, 0.9, 1, 3, 3.1)  # each lasts 0.1 s
+    for second in times:
+        window.add(at(second, intervals_s=[0.0995]))
+        window.add(at(second, type=EVENT))
+    assert [one.time_s for one in window.packets] == [1, 3]
+    window.add(at(0.9, type=OTHER, intervals_s=[0.1]))
+    assert window.packets[-1].time_s == 0.9
+    assert window.shows(1, 3) and not window.shows(0.99, 3) and not window.shows(1, 3.01)
+
+
+def test_a_window_is_bounded() -> None:
+    window = Window("", 0, 10)
+    for _ in range(windows.PACKETS_KEPT + 2):
+        window.add(at(1))
+    assert (len(window.packets), window.left_out) == (1000, 2)
+
+
+def test_windows_are_around_the_worst_of_each_kind() -> None:
+    def one(kind: str, second: float, worst: float, lasts_s: float = 0.0) -> Episode:
+        from_s = BEGIN_S + second
+        return Episode.of(Hit(kind, int(second), from_s, from_s + lasts_s, 3, worst=worst))
+
+    found = [
+        one("late", 10, 0.2),
+        one("late", 20, 0.5),
+        one("interval", 30, 0.1, 4.0),
+        one("fault", 40, 1),
+        one("clock", 50, 1),
+    ]
+    late, interval = windows.around(found, BEGIN_S, [])
+    assert late.title == "Packet 20: Reaction later than TrS"
+    # It begins with the command, 0.5 s before, and has half of that more, at both ends.
+    assert [late.start_s, late.end_s] == pytest.approx([19.25, 20.25])
+    assert [interval.start_s, interval.end_s] == pytest.approx([28, 36])
+    (other,) = windows.around(found, BEGIN_S, [Window("", 19, 21)])  # is seen there
+    assert other.title == "Packet 30: Interval longer than TzA"
+    (short,) = windows.around([one("interval", 0, 0.1)], BEGIN_S, [])
+    assert [short.start_s, short.end_s] == pytest.approx([0, 0.03])
+
+
+def test_an_answer_with_nothing_in_it() -> None:
+    assert tables.answer(report()) == ["There is nothing to judge."]
+    foreign = Episode.of(Hit("foreign", 0, BEGIN_S, BEGIN_S, detail="none of 5 records is a telegram"))
+    assert tables.answer(report(episodes=[foreign]))[0].startswith("NOT OK, ")
+    assert tables.answer(report(at(0, telegram(PLC, 3))))[0].startswith("OK, ")
+
+
+def test_short_names_in_the_answer_are_explained() -> None:
+    late = Episode.of(Hit("late", 1, BEGIN_S, BEGIN_S, 3, "", "60.000 ms, TrS 50 ms"))
+    beyond = Episode.of(Hit("beyond", 1, BEGIN_S, BEGIN_S, 3, "S-0-0040", "3001.0 rpm above its maximum 3000 rpm"))
+    read = at(
+        0, telegram(3, PLC, is_reaction=True), accesses=[access(3, "S-0-0040", 1, name="Velocity feedback value")]
+    )
+    assert "S-0-0040: Velocity feedback value" in tables.legend(report(read, episodes=[beyond]))
+    assert tables.legend(report(read, episodes=[late])).startswith("Times: UTC")
+    assert tables.legend(report(at(0, telegram(PLC, 3)))) == ""
+
+
+def test_the_worst_thousand_episodes_are_shown() -> None:
+    found = [Episode.of(Hit("late", 7, BEGIN_S, BEGIN_S, 3))] * 1002
+    table = tables.episodes(report(at(0), episodes=found))
+    assert (table.title, len(table.rows)) == ("What happened (and 2 more)", 1000)
+    assert tables.episodes(report(at(0), episodes=found[:1000])).title == "What happened"
+
+
+def test_windows_are_filled_with_what_may_reach_into_them() -> None:
+    """A packet may have begun five seconds earlier."""
+    asked: list[object] = []
+
+    class Kept:
+        def again(self, spans: Sequence[object]) -> Sequence[Packet]:
+            asked.extend(spans)
+            return [at(1.5), at(7, intervals_s=[3.5])]
+
+    shown = [Window("", 1, 2), Window("", 10, 11)]
+    windows.fill(cast(Dissection, Kept()), shown)
+    assert asked == [(0, 2), (5, 11)]
+    assert [[packet.time_s for packet in one.packets] for one in shown] == [[1.5], [7]]
+    windows.fill(cast(Dissection, None), [])
+
+
+# -- Distributions ---------------------------------------------------------------------------------------------------
+
+
+def test_bars_have_five_bins_and_no_gap() -> None:
+    """A bin is a hundredth of a decade; a bar, a twentieth."""
+    times = Distribution()
+    times.add([0.0, 1.0, 1.1, 1.13, 10.0])
+    counts, edges = times.bars()
+    assert counts[0] == 2 and counts[1] == 1 and counts[-1] == 1 and sum(counts) == 4 and len(counts) == 21
+    assert edges[0] == 1.0 and edges[1] == pytest.approx(1.122, abs=0.001) and len(edges) == 22
+
+
+def test_parts_are_joined() -> None:
+    parts = Distribution(), Distribution()
+    parts[0].add([0.0, 1.0, 3.0])
+    parts[1].add([2.0, 0.0])
+    both = Distribution.union(parts, 6.0)
+    assert (both.count, both.zeros, both.shortest_s, both.longest_s) == (5, 2, 0.0, 3.0)
+    assert (both.average_s, both.within_s(0.6), both.within_s(1)) == (1.2, 1.0, 3.0)
+    assert Distribution().shortest_s is None and Distribution().average_s == 0
+
+
+def test_slices_become_twice_as_wide() -> None:
+    slices = Slices()
+    for second in (0.0, 0.4799, 0.48):
+        slices.counts["x"][slices.at(second)] += 1
+    assert (slices.width_s, slices.used, slices.at(-1)) == (0.002, 241, 0)
+    assert [place for place, count in enumerate(slices.counts["x"]) if count] == [0, 239, 240]

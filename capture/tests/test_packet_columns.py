@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a row of tshark says of a packet, and how several captures are read as one. The rows are made here."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, cast
+
+import pytest
+
+from sistap.dissected.captures.portions import Portion
+from sistap.dissected.packets.dissection import Dissection, Packet, packet_of
+from sistap.dissected.packets.kept import Span
+from sistap.dissected.wireshark.rows import EVENT, FRAME, JOINT, OTHER
+from sistap.dissected.wireshark.tshark import Tshark, TsharkError
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import KEPT, Event
+
+READ = {"frame.number": "7", "sis.start": "0x02", "sis.checksum.status": "1", "sis.service": "0x10", "sis.talker": "1"}
+
+
+def of(**columns: str) -> Packet:
+    """Return the packet of a read, and of what is said besides; `_` stands for a point."""
+    return packet_of(READ | {name.replace("__", "."): text for name, text in columns.items()})
+
+
+def several(*texts: str) -> str:
+    return JOINT.join(texts)
+
+
+@pytest.mark.parametrize(
+    ("status", "is_good"), [("1", True), ("Good", True), ("0", False), ("Bad", False), ("2", False), ("", False)]
+)
+def test_what_is_good(status: str, is_good: bool) -> None:
+    assert of(sis__checksum__status=status).telegrams[0].good is is_good
+
+
+@pytest.mark.parametrize(
+    ("columns", "is_refusal"),
+    [
+        ({"sis__status": "0x00"}, False),
+        ({"sis__status": "0x01"}, True),
+        ({"sis__status": "0xf0"}, True),
+        ({"sis__status": several("0x00", "0x01")}, False),  # a list of services: its own status is the first
+        ({"sis__control__status": "6"}, True),  # ECODRIVE03: 110, error
+        ({"sis__control__status": "4"}, False),  # 100, a warning
+        ({"sis__control__status": "0"}, False),
+        ({}, False),
+    ],
+)
+def test_what_is_a_refusal(columns: dict[str, str], is_refusal: bool) -> None:
+    assert of(sis__control__reaction="1", **columns).telegrams[0].is_refusal is is_refusal
+
+
+@pytest.mark.parametrize("name", ["trs", "tza", "tmas"])
+@pytest.mark.parametrize(("verdict", "is_doubtful"), [("0", False), ("1", True), ("2", True), ("", False)])
+def test_what_is_doubtful(name: str, verdict: str, is_doubtful: bool) -> None:
+    assert (
+        of(**{f"sis__{name}__verdict": verdict, f"sis__{name}__limit": "0.05"}).telegrams[0].is_doubtful is is_doubtful
+    )
+
+
+def test_times_with_their_limits_and_verdicts() -> None:
+    (telegram,) = of(
+        **{"sis__reaction_time": "0.01", "sis__trs__limit": "0.05", "sis__trs__verdict": "0", "sis__command_in": "6"},
+        **{"sis__tza__interval_max": "0.003", "sis__tza__limit": "0.002", "sis__tza__verdict": "1"},
+        **{"sis__tmas__cycle": "0.1", "sis__silence_before": "0.4", "sis__bus__load": "40", "sis__tza__position": "5"},
+    ).telegrams
+    assert (telegram.reaction, telegram.pause) == ((0.01, 0.05, 0), (0.003, 0.002, 1))
+    assert (telegram.cycle, telegram.silence) == ((0.1, None, None), (0.4, None, None))
+    assert (telegram.command_in, telegram.load_percent, telegram.pause_position) == (6, 40, 5)
+    (nothing,) = of().telegrams
+    times = nothing.reaction, nothing.pause, nothing.cycle, nothing.silence, nothing.command_in, nothing.load_percent
+    assert times == (None,) * 6
+
+
+def test_a_verdict_without_a_time_is_not_measured() -> None:
+    """All came in one read, or the clock was set back."""
+    (telegram,) = of(sis__trs__verdict="2", sis__tza__verdict="2", sis__tmas__verdict="2").telegrams
+    for judged in (telegram.reaction, telegram.pause, telegram.cycle):
+        assert judged and (judged.time_s, judged.verdict, judged.measured_s) == (0.0, 2, [])
+
+
+def test_without_a_verdict_on_tza_the_record_says_the_longest_interval() -> None:
+    assert of(sertap__interval__max="0.004").telegrams[0].pause == (0.004, None, None)
+    assert of(sertap__interval__max="0.004", sis__tza__interval_max="0.003").telegrams[0].pause == (0.003, None, None)
+
+
+def test_the_first_interval_is_before_the_record() -> None:
+    packet = of(sertap__interval=several("0.5", "0.001", "0.002"), sertap__type="0", frame__time_epoch="100")
+    assert (packet.since_s, packet.intervals_s, packet.type) == (0.5, [0.001, 0.002], FRAME)
+    assert [packet.end_s, packet.ended_s] == pytest.approx([0.003, 100.003])
+    first = of(sertap__interval="0.001", sertap__interval__unknown="1")  # of its line: nothing is printed for it
+    assert (first.since_s, first.intervals_s) == (None, [0.001])
+    assert of(sertap__interval=several("0.5", "1"), sertap__interval__unknown=several("1", "True")).intervals_s == []
+    longest = of(sertap__interval=several("4.294967295", "0.1"))  # it may be longer
+    assert (longest.since_s, longest.intervals_s) == (None, [0.1])
+    assert of().since_s is None
+
+
+def test_line_errors_and_reads() -> None:
+    errors = {
+        "sertap__error__character": Flag.CHARACTER_ERROR,
+        "sertap__error__break": Flag.BREAK,
+        "sertap__error__unlocated": Flag.UNLOCATED_ERROR,
+        "sertap__error__lost": Flag.LOST_BEFORE,
+    }
+    for name, flag in errors.items():
+        assert of(**{name: several("0", "1")}).errors == flag
+        assert of(**{name: several("0", "False")}).errors == 0
+    assert of(sertap__error__break="1", sertap__error__lost="1").errors == Flag.BREAK | Flag.LOST_BEFORE
+    for same, is_one in (("1", False), (several("1", "1"), True), (several("True", "1", "1"), True)):
+        assert of(sertap__interval=several("9", "0", "0"), sertap__same_read=same).is_of_one_read is is_one
+    assert not of(sertap__same_read="1").is_of_one_read
+
+
+def test_what_a_damaged_telegram_says_may_be_damaged() -> None:
+    def faults(**columns: str) -> list[str]:
+        return [fault.name for fault in of(**columns).faults]
+
+    refused = {"sis__status": "0x01", "sis__control__error__set": "1"}
+    assert faults(**refused) == ["error_reaction", "system_error"]
+    assert faults(sis__checksum__status="0", **refused) == ["damaged"]
+    assert faults(sis__checksum__status="0", sis__trs__verdict="1") == ["trs_exceeded", "damaged"]
+
+
+def test_each_of_several_telegrams_has_its_faults_and_the_record_its_own() -> None:
+    packet = packet_of(
+        {
+            "frame.number": "7",
+            "sis.start": several("0x02", "0x02"),
+            "sis.status": several("0x01", "0x01"),
+            "sis.talker": several("3", "4"),
+            "sis.packed": "sis.start=1 sis.status=1 sis.talker=1",
+            "sertap.error.character": "1",
+        }
+    )
+    assert [one.talker for one in packet.telegrams] == [3, 4]
+    assert [[fault.name for fault in one.faults] for one in packet.telegrams] == [["error_reaction"]] * 2
+    assert [fault.name for fault in packet.faults] == ["error_reaction", "error_reaction", "line_error"]
+
+
+def test_other_words_of_a_telegram() -> None:
+    (one,) = of(
+        sis__repeat_of="3", sis__phase=several("4", "2"), sis__control__error="True", sis__listener="3"
+    ).telegrams
+    assert (one.is_repeat, one.phase, one.has_system_error, one.listener, one.unanswered) == (True, "4", True, 3, False)
+    (other,) = of(sis__command__unanswered="1", sis__reaction__again="x", sis__twm__early="x").telegrams
+    assert (other.unanswered, other.is_repeat, other.signs) == (True, False, ("again", "early"))
+    said = {"station": "3", "device": 4, "parameter": "S-0-0036", "access": "read", "value": "1 rpm", "number": 1.0}
+    (access,) = of(sis__access=json.dumps(said), frame__interface_name="COM3").accesses
+    assert (access.parameter, access.number) == (("COM3", "3", 4, "S-0-0036"), 1.0)
+
+
+# -- Several captures ------------------------------------------------------------------------------------------------
+
+
+class Rows:
+    """A tshark that prints rows of these columns, and may fail at the end of a capture."""
+
+    NAMES = "frame.number", "frame.time_epoch", "frame.time_relative", "sis.command_in", "sis.bus.load"  # its own
+    MORE = "sis.start", "sertap.type", "sertap.event", "sertap.text"
+
+    def __init__(self, captures: Mapping[str, Sequence[Sequence[Any]]], error: str = "") -> None:
+        self._captures, self._error = captures, error
+        self.asked: list[str] = []
+
+    def lines(self, arguments: Sequence[str]) -> Iterator[str]:
+        self.asked = [*arguments]
+        yield "\t".join((*self.NAMES, *self.MORE))
+        for row in self._captures[Path(arguments[1]).name]:
+            yield "\t".join(map(str, row))
+        if self._error:
+            raise TsharkError(self._error)
+
+
+def row(
+    number: int, epoch_s: float, relative_s: float, command_in: object = "", load: object = "", **more: Any
+) -> list[Any]:
+    rest = [more.get(name, "") for name in ("type", "event", "text")]
+    return [number, epoch_s, relative_s, command_in, load, "" if more else "0x02", *rest]
+
+
+def dissection(
+    captures: Mapping[str, Sequence[Sequence[Any]]], error: str = "", told: int = 0, **more: Any
+) -> Dissection:
+    parts = [Portion(Path(name), told) for name in captures]
+    return Dissection(cast(Tshark, Rows(captures, error)), parts, **more)
+
+
+TWO = {
+    "a": [row(1, 100, 0), row(2, 101, 1, 1, 40.0)],
+    "b": [row(1, 200, 0, load=100.0), row(2, 200.5, 0.5, 1, 90.0), row(3, 201, 1, load=30.0)],
+}
+
+
+def test_packets_of_several_captures_count_on_and_so_do_their_seconds() -> None:
+    with dissection(TWO) as reading:
+        packets = list(reading.packets())
+        assert [(one.number, one.time_s) for one in packets] == [(1, 0), (2, 1), (3, 100), (4, 100.5), (5, 101)]
+        commands = [one.telegrams[0].command_in for one in packets]
+        assert commands == [None, 1, None, 3, None]
+        # In its first second, the load is of less than a second.
+        assert [one.telegrams[0].load_percent for one in packets] == [None, 40.0, None, None, 30.0]
+        again = [(one.number, one.time_s) for one in reading.again([Span(1, 1), Span(100.5, 101)])]
+        assert again == [(2, 1), (4, 100.5), (5, 101)]
+        assert "sis.talker" in reading.missing and "sis.start" not in reading.missing
+
+
+def test_what_was_told_before_a_file_has_no_number() -> None:
+    with dissection(
+        {"a": [row(1, 100, 0, type=EVENT, event=int(Event.TOLD_BEFORE)), row(2, 101, 1)]}, told=1
+    ) as reading:
+        assert [one.number for one in reading.packets()] == [1]
+
+
+def test_what_came_before_a_time_only_teaches() -> None:
+    with dissection(TWO, since_s=101) as reading:
+        packets = [(one.time_s, one.is_before) for one in reading.packets()]
+        assert packets == [(0, True), (0, False), (99, False), (99.5, False), (100, False)]
+        assert [one.number for one in reading.again([Span(-1, 1000)])] == [2, 3, 4, 5]
+
+
+def test_what_a_file_begins_with_again_is_not_told_again() -> None:
+    def begins(number: int, text: str = "a tap", event: Event = Event.CAPTURE_STARTED) -> list[Any]:
+        return row(number, 100, 0, type=EVENT, event=int(event), text=text)
+
+    told = begins(2, "", Event.TOLD_BEFORE)
+    files = {"a": [begins(1), row(2, 100, 0)], "b": [begins(1), told, row(3, 101, 0)], "c": [begins(1, "other"), told]}
+    with dissection(files) as reading:
+        packets = list(reading.packets())
+    assert [(one.text, one.is_again) for one in packets] == [
+        ("a tap", False),
+        ("", False),
+        ("", False),
+        ("other", True),
+    ]
+    with dissection({"a": [begins(1)], "b": [begins(1)]}) as reading:  # two captures, each from its beginning
+        assert len(list(reading.packets())) == 2
+
+
+def test_a_file_of_a_recorder_is_kept_apart() -> None:
+    started = {"sertap__event": str(int(Event.CAPTURE_STARTED)), "sertap__text": f"a tap{KEPT}late"}
+    assert of(sertap__type=str(EVENT), **started).is_kept_apart
+    assert not of(sertap__type=str(OTHER), **started).is_kept_apart
+    assert not of(sertap__type=str(EVENT), **started | {"sertap__text": "a tap"}).is_kept_apart
+
+
+def test_the_warnings_of_captures_that_are_cut() -> None:
+    cut = 'tshark: The file "x" appears to have been cut short in the middle of a packet.'
+    with dissection(TWO, cut) as reading:
+        assert len(list(reading.packets())) == 5
+        assert reading.warning == "; ".join(
+            ["the capture appears to have been cut short in the middle of a packet."] * 2
+        )
+
+
+def test_preferences_are_asked_for() -> None:
+    rows = Rows({"a": []})
+    with Dissection(cast(Tshark, rows), [Portion(Path("a"))], preferences={"sis.tza_ms": 2}) as reading:
+        assert list(reading.packets()) == []
+    assert rows.asked[:5] == ["-r", "a", "-2", "-o", "sis.tza_ms:2"]

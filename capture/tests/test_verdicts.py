@@ -1,0 +1,548 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is said of each thing that happened: whose it is, its words, from when to when. Worked out from what was played.
+
+test_kinds has what provokes a kind at all; here is what a person then reads. Times are seconds since the first packet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from operator import methodcaller as do
+from typing import Any, NamedTuple
+
+import pytest
+from machines import BEGIN_S, FAULT, LAPTOP, PANEL, PLC, SPEED, WARNING, Machine, access, judged, packet, telegram
+from test_kinds import (
+    IN_LIMITS,
+    LIMIT,
+    TORQUE,
+    Play,
+    asked,
+    behind,
+    event,
+    flips,
+    pause,
+    phases,
+    reaction,
+    reads,
+    run,
+    stamped,
+    talk,
+    then,
+    told,
+    writes,
+)
+
+from sistap.dissected.episodes.baseline import unlike
+from sistap.dissected.episodes.episode import Episode, Hit
+from sistap.dissected.episodes.levels import Levels
+from sistap.dissected.episodes.machine import Machine as Drives
+from sistap.dissected.episodes.readings import Reading
+from sistap.dissected.episodes.rules import Severity
+from sistap.dissected.episodes.silence import BusSilence, StationSilence
+from sistap.dissected.episodes.trend import Slots, quartiles, trend
+from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
+from sistap.dissected.wireshark.rows import OTHER
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import KEPT, Event
+
+
+class Case(NamedTuple):
+    """What happens, and the one episode of a kind that is told of it."""
+
+    kind: str
+    play: Play
+    who: str
+    detail: str
+    from_s: float | None = None
+    to_s: float | None = None
+
+
+def is_late(kind: str, time_s: float, limit_s: float, verdict: int = EXCEEDED, **more: Any) -> Play:
+    said: dict[str, Any] = {kind: judged(time_s, limit_s, verdict)}
+    return reaction(is_doubtful=True, **said, **more)
+
+
+def refuse(service: int, status: int = 0xF0) -> Play:
+    return reaction(service=service, is_refusal=True, status=status)
+
+
+def level(ident: str, middle: float, count: int, unit: str) -> Play:
+    """Let a number be near a middle, and every second time there."""
+    beside = [step / 10 * sign for step in range(1, 6) for sign in (0, 1, 0, -1)]
+    return told(ident, [middle + beside[number % 20] for number in range(count)], unit=unit)
+
+
+def turns(rpm: float, count: int) -> Play:
+    return level(SPEED, rpm, count, "rpm")
+
+
+def command(rpm: float) -> Play:
+    return do("write", 3, "S-0-0036", rpm)
+
+
+SLOW = [reaction(20, reaction=judged(time_s, 0.05, 0)) for time_s in [0.010] * 45 + [0.030] * 45]
+
+
+CASES = (
+    # silences
+    Case("bus_silent", then(talk(60), pause(10), talk(2)), "", "11 s: cable or master off?", 60.8, 71.82),
+    Case("bus_silent", then(talk(60), pause(5), talk(2)), "", "6.0 s: cable or master off?"),
+    Case(
+        "silent",
+        then(run(30), do("silent", 4, 4, every_s=2), do("exchange", station=4)),
+        *("station 4", "6.0 s, 4 commands without a reaction"),
+    ),
+    Case(
+        "silent",
+        then(run(30), do("silent", 4, 3)),
+        "station 4",
+        "1.0 s, 3 commands without a reaction; not heard again",
+    ),
+    Case("silent", do("silent", 9, 5), "station 9", "never answered 5 commands"),
+    Case("unanswered", then(run(30), do("silent", 3), reaction()), "station 3", ""),
+    Case(
+        "repeated",
+        then(run(30), do("silent", 3), do("ask", 3, is_repeat=True), do("answer", 3)),
+        *("station 3", "a command without a reaction"),
+    ),
+    # masters
+    Case("master", asked(LAPTOP, before_s=130), "", "master 127 asked station 3: 1 command, 0 values read, 0 written"),
+    Case(
+        "master",
+        then(run(130), do("exchange", access(4, SPEED, 1.0, master=LAPTOP), master=LAPTOP), do("ask", 3, LAPTOP)),
+        *("", "master 127 asked stations 3, 4: 2 commands, 1 value read, 0 written"),
+    ),
+    # single telegrams
+    Case("late", is_late("reaction", 0.06, 0.05), "station 5", "60.000 ms, TrS 50 ms", 0.03, 0.03),
+    Case("late", is_late("reaction", 0.06, 0.05, UNRESOLVED), "station 5", "perhaps: 60.000 ms, TrS 50 ms"),
+    Case("late", is_late("reaction", 0.0, 0.05, UNRESOLVED), "station 5", "perhaps: not measured, TrS 50 ms"),
+    Case(
+        *("interval", is_late("pause", 0.003, 0.002, pause_position=7)),
+        *("station 5", "3.000 ms before character 7, TzA 2 ms"),
+    ),
+    Case(
+        "cycle",
+        do("put", telegram(PLC, 4, is_doubtful=True, cycle=judged(0.2, 0.1, EXCEEDED))),
+        *("station 4", "200.000 ms, Tmas 100 ms by master 1"),
+    ),
+    Case("damaged", then(run(5), do("damage", 4)), "station 4", "its checksum is wrong"),
+    Case("damaged", then(run(5), do("ask", 4), do("put", type=OTHER)), "station 4", "its rest is not a telegram"),
+    Case(
+        *("line_error", then(run(5), do("damage", 4, errors=int(Flag.BREAK)))),
+        *("station 4", "in a telegram that is damaged"),
+    ),
+    Case(
+        *("lost", then(run(5), do("ask", 4), do("answer", 4), do("put", errors=int(Flag.LOST_BEFORE)))),
+        *("", "in a telegram that is not damaged"),
+    ),
+    Case("lost", then(run(5), event(Event.CHARACTERS_LOST, "overrun")), "", "overrun"),
+    Case("error", refuse(0x03), "station 5", "Initialization of the SIS communication, status 0xf0"),
+    Case("error", refuse(0x0F), "station 5", "Token passing, status 0xf0"),
+    Case("never", refuse(0x00), "station 5", "Node identification, status 0xf0"),
+    Case("never", refuse(0x11, 0x01), "station 5", "Read list segment, status 0x01"),
+    Case("error", refuse(0x12, 0x02), "station 5", "Read phase, status 0x02"),
+    Case("error", do("refuse", 5, LIMIT, "0x7009", is_write=True), f"station 5 {LIMIT}", "write: 0x7009"),
+    Case("never", do("refuse", 5, LIMIT, "0x1001"), f"station 5 {LIMIT}", "0x1001"),
+    Case(
+        "early",
+        do("ask", 3, is_repeat=True, signs=("early",)),
+        *("station 3", "master 1 did not wait for TrS"),
+    ),
+    Case("warning_bit", reaction(signs=("warning_bit",)), "station 5", ""),
+    Case("warning_bit", do("ask", 5, signs=("warning_bit",)), "station 1", ""),  # the sender has it
+    # states
+    Case("phase", phases("4", "2"), "station 5", "4 -> 2"),
+    Case("rate", then(reaction(), do("put", baud=19200)), "", "9600 -> 19200 Bd"),
+    Case("rate", then(reaction(), do("put", baud=None), do("put", baud=4800)), "", "9600 -> 4800 Bd"),
+    Case(
+        "limits",
+        then(*(reaction(pause=judged(0.001, limit_s, 0)) for limit_s in (0.002, 0.003))),
+        *("station 5", "TzA 2 -> 3 ms"),
+    ),
+    Case("gap", then(run(30), pause(60), event(Event.CAPTURE_STARTED)), "", "62 s between two captures"),
+    Case("clock", stamped(37), "", "+37 s", 37.05, 37.05),
+    Case("clock", stamped(-37), "", "-37 s", -36.95, 0.05),
+    Case(
+        "clock",
+        event(Event.MARKER, "system time jumped by -2.5 s"),
+        *("", "-2.5 s; the times of the capture go on without the jump"),
+    ),
+    Case("unreadable", then(run(30), do("noise", 21, every_s=0.2), reaction(3)), "", "21 records are no telegrams"),
+    Case("foreign", do("noise", 7), "", "none of 7 records is a telegram: another protocol, rate or format?"),
+    # drives
+    Case(
+        "fault",
+        then(run(10), lambda machine: machine.says.update({4: FAULT}), run(10)),
+        *("station 4", "F2028 (S-0-0390, before A0101); still so when last read"),
+    ),
+    Case(
+        "fault",
+        reads(access(5, "S-0-0095", '"F228 Excessive deviation"')),
+        "station 5",
+        "F228 (S-0-0095); still so when last read",
+    ),
+    Case(
+        *("fault", reads(access(5, "S-0-0011", "0b0000000000000100"))),
+        *("station 5", "class 1 diagnostic 0b0000000000000100 (S-0-0011); still so when last read"),
+    ),
+    Case(
+        *(
+            "warning",
+            reads(*(access(5, "S-0-0390", f"0x{code:08X}") for code in (WARNING, WARNING, 0xA0101)), every_s=4),
+        ),
+        "station 5",
+        "E2051 (S-0-0390)",
+        *(0.03, 8.09),
+    ),
+    Case("stuck", do("boot", stuck=4), "station 4", "stays in phase 2, others are in phase 4"),
+    Case("boot", do("boot"), "", "stations 3, 4, 5, ready 5 s later"),
+    Case(
+        "restart",
+        then(run(30), do("silent", 4, 4), do("boot", 4)),
+        *("station 4", "silent for 2 s, identified, initialised again"),
+    ),
+    Case(
+        "exchanged",
+        then(*(reaction(service=0x00, columns={"sis.type_key": key}) for key in ("HCS01", "HCS02"))),
+        *("station 5", "type key HCS01 -> HCS02"),
+    ),
+    # values
+    Case("beyond", told(SPEED, [3001], **IN_LIMITS), f"station 3 {SPEED}", "3001 rpm, its maximum is 3000 rpm"),
+    Case("beyond", told(SPEED, [-3002], **IN_LIMITS), f"station 3 {SPEED}", "-3002 rpm, its minimum is -3000 rpm"),
+    Case("apart", behind(500, 30), f"station 3 {SPEED}", "50 % below S-0-0036", 60.06, 89.06),
+    Case("apart", behind(1250, 30), f"station 3 {SPEED}", "25 % above S-0-0036"),
+    Case("chatter", flips(7), "station 5 P-0-0222", "7 changes between 0 and 1"),
+    Case(
+        "changed",
+        reads(
+            *[access(5, "P-0-0222", "1")] * 20,
+            *[access(5, "P-0-0222", "0")] * 3,
+            *[access(5, "P-0-0222", "1")] * 2,
+            every_s=10,
+        ),
+        *("station 5 P-0-0222", "1 -> 0", 200.63, 230.72),
+    ),
+    Case(
+        "changed",
+        reads(*[access(5, "P-0-0222", "1")] * 20, access(5, "P-0-0222", "0"), every_s=10),
+        *("station 5 P-0-0222", "1 -> 0; still so when last read"),
+    ),
+    Case(
+        "step",
+        then(*(level(TORQUE, *part, "%") for part in ((50, 99), (70, 30), (50, 99)))),
+        *(f"station 3 {TORQUE}", "70 %, usually 50", 201.0, 259.87),
+    ),
+    Case(
+        "step",
+        then(command(1000), turns(1000, 400), command(1200), turns(1000, 30), turns(1200, 99)),
+        *(f"station 3 {SPEED}", "200 rpm below S-0-0036; soon after the write of S-0-0036"),
+    ),
+    Case("slower", then(*(then(one, pause(59.4)) for one in SLOW)), "station 5", "reaction time 10.0 -> 30.0 ms"),
+    # writes
+    Case("write", writes("P-0-0123", (PLC, 12)), "station 5 P-0-0123", "12 rpm by master 1; still set at the end"),
+    Case(
+        "write",
+        writes("P-0-0123", (LAPTOP, 12)),
+        *("station 5 P-0-0123", "12 rpm by new master 127; still set at the end"),
+    ),
+    Case(
+        "conflict",
+        writes("P-0-0123", (PLC, 12), (PANEL, 15), (PLC, 12), (PANEL, 16)),
+        *("station 5 P-0-0123", "master 1 12 rpm, master 2 16 rpm; at the end 16 rpm"),
+    ),
+    Case(
+        "limit_write",
+        then(reads(access(5, LIMIT, 3000.0)), writes(LIMIT, (PLC, 500))),
+        *(f"station 5 {LIMIT}", "3000.0 rpm -> 500 rpm by master 1; still set at the end"),
+    ),
+    Case(
+        "other",
+        then(writes("P-0-0123", (PLC, 12)), reads(*(access(5, "P-0-0123", value) for value in (12.0, 10.0)))),
+        *("station 5 P-0-0123", "12 rpm -> 10.0 rpm, nobody on this bus wrote it"),
+    ),
+)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.kind}-{case.detail[:20]}")
+def test_what_is_said(case: Case) -> None:
+    machine = Machine()
+    case.play(machine)
+    (found,) = machine.told().of(case.kind)
+    assert (found.who, found.detail) == (case.who, case.detail)
+    if case.from_s is not None:
+        assert found.from_s - BEGIN_S == pytest.approx(case.from_s, abs=0.006)
+    if case.to_s is not None:
+        assert found.to_s - BEGIN_S == pytest.approx(case.to_s, abs=0.006)
+
+
+# -- While it happens ------------------------------------------------------------------------------------------------
+
+
+def test_a_silence_that_lasts_is_told_once() -> None:
+    silence = BusSilence()
+    for second in range(30):
+        silence.add(packet(float(second), telegram(PLC, 3)))
+    assert silence.under_way(31.9) == () and silence.under_way(32) == ()  # 3 s; three times as long as usual
+    (hit,) = silence.under_way(32.1)
+    assert (hit.kind, hit.from_s, hit.to_s, hit.detail) == ("bus_silent", 29, 32.1, "3.1 s: cable or master off?")
+    assert silence.under_way(40) == ()
+    assert [one.from_s for one in silence.add(packet(42.0, telegram(PLC, 3)))] == [29]
+    assert len([*silence.under_way(60)]) == 1  # the next one
+
+
+def test_a_bus_that_was_heard_for_a_quarter_of_an_hour_is_known() -> None:
+    """Shorter: a silence of more than half of the time may be usual."""
+
+    def severity(heard_s: int, silence_s: int) -> Severity | None:
+        silence = BusSilence()
+        for second in range(heard_s + 1):
+            silence.add(packet(float(second), telegram(PLC, 3)))
+        (hit,) = silence.add(packet(float(heard_s + silence_s), telegram(PLC, 3)))
+        return hit.severity
+
+    assert severity(100, 50) is None and severity(100, 51) == Severity.NOTE
+    assert severity(900, 5000) is None and severity(899, 5000) == Severity.NOTE
+    assert severity(20, 5) is None and severity(19, 5) == Severity.NOTE  # twenty silences say what is usual
+
+
+def test_a_rhythm_is_told_with_its_length() -> None:
+    silence = BusSilence()
+    found: list[Hit] = []
+    for begin_s, talks_s in ((1000, 100), *((1139 + 99 * number, 60) for number in range(13))):
+        for second in range(talks_s):
+            found += silence.add(packet(float(begin_s + second), telegram(PLC, 3)))
+    # The length of the first one's period is not known; ten others make a rhythm.
+    assert [one.kind for one in found] == ["bus_silent"] * 11 + ["rhythm"] * 2
+    assert found[-1].detail == "40 s each: a master that pauses, or a loose cable?"
+
+
+def test_of_two_directions_the_shorter_silence_counts() -> None:
+    silence = BusSilence()
+    for second in range(30):
+        silence.add(packet(float(second), telegram(PLC, 3)))
+    assert silence.add(packet(39.0, telegram(PLC, 3), since_s=20.0))[0].from_s == 29  # type: ignore[index]
+    assert silence.add(packet(49.0, telegram(PLC, 3), since_s=2.0)) == ()
+    silence.add(packet(50.0, type=2, event=int(Event.CAPTURE_STARTED)))
+    assert silence.add(packet(99.0, telegram(PLC, 3))) == ()  # between two captures nobody has listened
+
+
+def ask(silence: StationSilence, second: float, *, unanswered: bool = True, **more: bool) -> Sequence[Hit]:
+    return [*silence.add(packet(second, telegram(PLC, 4, unanswered=unanswered, **more), number=int(second)))]
+
+
+def answer(silence: StationSilence, second: float) -> Sequence[Hit]:
+    return [*silence.add(packet(second, telegram(4, PLC, is_reaction=True), number=int(second)))]
+
+
+def test_a_station_that_is_silent_while_it_happens() -> None:
+    """One that never answered is perhaps not there; what is damaged may have been the reaction."""
+    silence = StationSilence()
+    assert answer(silence, 1) == []
+    for second in (2, 3, 4):
+        ask(silence, second)
+    (hit,) = silence.under_way("")  # the last command may still be answered
+    assert (hit.kind, hit.from_s, hit.to_s, hit.worst) == ("unanswered", 2, 3, 2)
+    ask(silence, 5)
+    (hit,) = silence.under_way("")
+    assert (hit.kind, hit.packet, hit.worst, hit.severity) == ("silent", 2, 3, None)
+    assert [*silence.under_way("")] == []
+    silence.add(packet(6, telegram(4, PLC, is_reaction=True, good=False)))
+    (hit,) = answer(silence, 7)
+    assert (hit.kind, hit.to_s, hit.worst) == ("silent", 7, 3)
+    assert [*silence.finish("")] == []
+
+
+def test_a_file_that_ends_forgets_who_was_asked() -> None:
+    silence = StationSilence()
+    answer(silence, 1)
+    for second in (2, 3, 4, 5):
+        ask(silence, second)
+    seam = packet(6, type=2, event=int(Event.CAPTURE_STARTED), text=f"a tap{KEPT}late")
+    (hit,) = silence.add(seam)
+    assert (hit.kind, hit.worst) == ("silent", 3)  # the last reaction may be in no file
+    for second in (7, 8, 9, 10):
+        ask(silence, second)
+    (hit,) = silence.finish("")
+    assert (hit.kind, hit.worst, hit.outcome) == ("silent", 4, "not heard again")
+
+
+# -- A machine runs or stands ----------------------------------------------------------------------------------------
+
+
+def stops(*said: tuple[float, int, str, Reading]) -> list[tuple[float, float]]:
+    """Return from when to when it stood within 100 s."""
+    drives = Drives()
+    for now_s, station, ident, reading in said:
+        drives.add(now_s, station, ident, reading)
+    return drives.stops(0, 100)
+
+
+def word(bits: int) -> Reading:
+    return Reading(None, "", "", bits)
+
+
+def speed(number: float) -> Reading:
+    return Reading(number, "", "rpm")
+
+
+def test_a_drive_stands_as_its_words_say() -> None:
+    """S-0-0134: bits 15 to 13 enable. S-0-0135: bits 15 and 14 are 11 in operation, 10 free of torque."""
+    on, off = (10.0, 3, "S-0-0134", word(0xE000)), (40.0, 3, "S-0-0134", word(0x6000))
+    assert stops(on, off) == [(40, 100)]
+    assert stops(on, off, (70.0, 3, "S-0-0134", word(0xE00F))) == [(40, 70)]
+    assert stops(on, (40.0, 3, "S-0-0134", word(0xFFFF))) == []
+    assert stops((10.0, 3, "S-0-0135", word(0xC000)), (40.0, 3, "S-0-0135", word(0x8000))) == [(40, 100)]
+    assert stops((10.0, 3, "S-0-0135", word(0x4000)), (40.0, 3, "S-0-0135", word(0xC000))) == [(0, 40)]
+    assert stops((10.0, 3, "S-0-0135", word(0x4000))) == []  # nobody knows whether it ever runs
+    assert stops(on, off, (43.0, 3, "S-0-0134", word(0xE000))) == []  # too short
+
+
+def test_a_machine_runs_if_a_third_of_its_drives_do() -> None:
+    on = [(10.0, station, "S-0-0134", word(0xE000)) for station in (3, 4, 5)]
+    off = [(40.0 + station, station, "S-0-0134", word(0)) for station in (3, 4, 5)]
+    assert stops(*on, *off[:2]) == []
+    assert stops(*on, *off) == [(45, 100)]
+
+
+def test_a_drive_stands_as_its_speed_says() -> None:
+    """An index axis rests for a moment."""
+
+    def every_second(*speeds: float) -> list[tuple[float, int, str, Reading]]:
+        return [(float(second), 3, SPEED, speed(one)) for second, one in enumerate(speeds)]
+
+    assert stops(*every_second(*[1000] * 20, *[0] * 20, *[-1000] * 20)) == [(20, 40)]
+    assert stops(*every_second(*[1000] * 20, *[0] * 14, *[1000] * 20)) == []
+    assert stops(*every_second(*[0] * 60)) == []
+
+
+# -- Levels, lines, and their chance ---------------------------------------------------------------------------------
+
+
+def levels(*parts: tuple[float, int], every_s: float = 2.0, by: float = 1.0) -> Levels:
+    made, number = Levels(), 0
+    for middle, count in parts:
+        for _ in range(count):
+            made.add(every_s * number, middle + by * ((0, 1, 0, -1)[number % 4]), number)
+            number += 1
+    return made
+
+
+def unusual(made: Levels) -> list[tuple[float, float, Severity]]:
+    return [(level.from_s, level.value, severity) for level, severity in made.unusual()]
+
+
+NOTE, LOOK = Severity.NOTE, Severity.WARNING
+
+
+@pytest.mark.parametrize(
+    ("parts", "found"),
+    [
+        (((100, 100), (120, 50), (100, 100)), [(200, 120, LOOK)]),
+        (((100, 100), (104, 50), (100, 100)), []),  # less than 5 %
+        (((100, 100), (120, 2), (100, 100)), []),  # two values are no level
+        (((100, 100), (120, 3), (100, 100)), []),  # shorter than 5 s
+        (((100, 100), (120, 4), (100, 100)), [(200, 120, LOOK)]),
+        (((100, 100), (140, 90), (100, 100), (140, 90), (100, 100), (140, 30)), [(200, 140, NOTE)]),  # rarely
+        (((100, 100), (140, 90)) * 4, []),
+    ],
+)
+def test_a_level_is_unusual(parts: Sequence[tuple[float, int]], found: Sequence[tuple[float, float, Severity]]) -> None:
+    assert unusual(levels(*parts)) == pytest.approx(found) if not found else unusual(levels(*parts))[:1] == found
+
+
+def test_noise_is_no_level() -> None:
+    """Eight times the usual scatter: 1.48 median deviations, here of 1 and 0."""
+    assert unusual(levels((100, 200), (108, 50), (100, 200), by=2.0)) == []
+
+
+def test_quartiles_have_weights() -> None:
+    assert quartiles([(3.0, 1.0), (1.0, 1.0), (2.0, 1.0), (4.0, 1.0)]) == (1.0, 3.0)
+    assert quartiles([(1.0, 1.0), (2.0, 9.0)]) == (2.0, 2.0)
+    assert quartiles([(7.0, 1.0)]) == (7.0, 7.0)
+
+
+def test_a_line_through_points() -> None:
+    """Mann and Kendall: of 10 rising points, S = 45 and its deviation is sqrt(10*9*25/18) = 11.18."""
+    found = trend([(float(x), 2.0 * x + 5) for x in range(10)])
+    assert (found.slope, found.scatter) == (2.0, 0.0)
+    assert found.chance == pytest.approx(5.7e-5, rel=0.01)  # 4.025 standard deviations, both sides
+    bent = trend([(0.0, 0.0), (1.0, 1.0), (2.0, 2.0), (3.0, 9.0)])
+    assert (bent.slope, bent.scatter) == (2.0, 1.4826)  # of 1, 1, 1, 3, 4, 7
+    assert trend([(0.0, 1.0), (0.0, 2.0), (1.0, 3.0)]).slope == 1.5  # nothing rises at one time
+
+
+def test_slots_are_averages_in_bounded_memory() -> None:
+    slots = Slots()
+    for second in range(128):
+        slots.add(second, float(second))
+    assert slots.points() == [(second + 0.5, second + 0.5) for second in range(0, 128, 2)]
+    slots.add(128, 1.0)
+    assert slots.points()[0] == (1.5, 1.5) and len(slots.points()) == 33
+
+
+# -- Beside a good capture -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "said"),
+    [
+        (1000, 600, ["600 rpm, 1000 in the good capture"]),
+        (1000, 1020, []),
+        (600, 1000, ["1000 rpm, 600 in the good capture"]),
+    ],
+)
+def test_a_level_that_a_good_capture_does_not_have(good: int, bad: int, said: Sequence[str]) -> None:
+    before, now = Machine(interface="a"), Machine(interface="b")
+    for machine, rpm in ((before, good), (now, bad)):
+        level("P-0-0123", rpm, 100, "rpm")(machine)
+    sides = [machine.engine._buses[name].values for machine, name in ((before, "a"), (now, "b"))]
+    assert [hit.detail for hit in unlike(*sides)] == said
+
+
+def test_what_follows_a_command_is_compared_beside_it() -> None:
+    machines = Machine(), Machine()
+    for machine, rpm in zip(machines, (1000, 900), strict=True):
+        then(command(1000), turns(rpm, 100))(machine)
+    sides = [machine.engine._buses[""].values for machine in machines]
+    (hit,) = unlike(*sides)
+    assert (hit.detail, hit.severity) == ("-100 rpm beside S-0-0036, 0 in the good capture", NOTE)
+    followed = [next(found for parameter, found in side.followed() if parameter.ident == SPEED) for side in sides]
+    for change in ({"command": None}, {"unit": "m/s"}, {"is_written": True}):
+        for one in followed:
+            before = {name: getattr(one, name) for name in change}
+            for name, other in change.items():
+                setattr(one, name, other)
+            assert [*unlike(*sides)] == []  # only one side tells it
+            for name, other in before.items():
+                setattr(one, name, other)
+
+
+# -- An episode ------------------------------------------------------------------------------------------------------
+
+
+def test_an_episode_keeps_ten_packets_and_its_worst() -> None:
+    made = Episode.of(Hit("late", 1, 10.0, 10.0, 3, worst=0.2))
+    for number in range(2, 14):
+        made.join(Episode.of(Hit("late", number, 9.0 + number, 9.5 + number, 4, worst=0.1 * (number == 5) + 0.15)))
+    assert made.packets == [1, 2, 3, 4, 5, 6, 7, 8, 9, 13]
+    assert (made.count, made.from_s, made.to_s, made.hit.packet, made.stations) == (13, 10, 22.5, 5, {3, 4})
+    assert (made.station, made.who) == (None, "stations 3, 4")
+    assert made.filter.startswith("frame.number >= 1 && frame.number <= 13 && (")
+    assert made.text.endswith(" (13 times)")
+    few = Episode.of(Hit("late", 1, 10.0, 10.0, 3))
+    few.join(Episode.of(Hit("late", 3, 10.0, 10.0, 3, severity=NOTE)))
+    assert (few.filter, few.station, few.severity) == ("frame.number in {1, 3}", 3, Severity.ERROR)
+
+
+def test_an_episode_of_a_whole_capture_is_found_by_its_values() -> None:
+    drift = Episode.of(Hit("drift", 0, 10.0, 20.0, 3, TORQUE))
+    assert drift.filter == f'sis.parameter == "{TORQUE}" && (sis.talker == 3) && sis.value'
+    assert Episode.of(Hit("slower", 0, 10.0, 20.0, 3)).filter.startswith("frame.time_epoch >= 9.999998 && ")
+
+
+def test_an_episode_for_programs() -> None:
+    said = Episode.of(Hit("silent", 7, 0.0, 1e18, 4, "", "6 s")).as_json()
+    assert (said["from"], said["to"]) == ("1970-01-01T00:00:00.000Z", None)  # no calendar has it
+    assert (said["severity"], said["station"], said["stations"], said["packets"]) == ("error", 4, [4], [7])
+    assert (said["parameter"], said["text"]) == (None, "Station silent, station 4: 6 s")
