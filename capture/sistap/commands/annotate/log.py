@@ -12,7 +12,8 @@ from pathlib import Path
 
 from sistap.dissected.explain import entries
 from sistap.dissected.explain.fields import EXPLANATION, Fields, said, sentence
-from sistap.dissected.wireshark.rows import EVENT, JOINT, damage, first
+from sistap.dissected.wireshark.rows import EVENT, JOINT, first
+from sistap.dissected.wireshark.trouble import damage
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.common.writing import opened
 from sistap.tap.terminal.console import Console

@@ -8,6 +8,7 @@ from decimal import Decimal
 from pathlib import Path
 
 from sistap.dissected.wireshark import rows
+from sistap.dissected.wireshark.trouble import is_cut, is_no_capture, last_words
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 
 _JOINT = ","
@@ -30,9 +31,9 @@ class FieldRows:
             for line in self._tshark.lines(self._arguments):
                 yield rows.columns(self._fields, line)
         except TsharkError as error:
-            if not rows.is_cut(error):
+            if not is_cut(error):
                 raise
-            self.warning = rows.last_words(error, "its end is missing: it").rstrip(".")
+            self.warning = last_words(error, "its end is missing: it").rstrip(".")
 
 
 def protocols(tshark: Tshark, capture: Path) -> frozenset[str]:
@@ -40,7 +41,7 @@ def protocols(tshark: Tshark, capture: Path) -> frozenset[str]:
     try:
         packets = list(FieldRows(tshark, capture, ["frame.protocols"], ["-c", "10"]))
     except TsharkError as error:
-        if rows.is_no_capture(error):
+        if is_no_capture(error):
             return frozenset()
         raise
     return frozenset(name for row in packets for name in row["frame.protocols"].split(":"))

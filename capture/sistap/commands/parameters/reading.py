@@ -12,7 +12,7 @@ from sistap.dissected.accesses.listing import AccessPlace
 from sistap.dissected.captures.joining import Joined, together
 from sistap.dissected.captures.portions import portions
 from sistap.dissected.wireshark import rows
-from sistap.dissected.wireshark.rows import damage
+from sistap.dissected.wireshark.trouble import damage
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.terminal.console import visible
 

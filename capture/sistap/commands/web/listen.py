@@ -159,8 +159,8 @@ class Listening:
         self._sink = _PageSink(self._stream, interfaces, self._counters, wanted["system"])
         formats = FORMATS if is_auto else ()
         conditions = Conditions(formats=formats, follow=True)
-        self._capture = Capture(readers, self._sink, self._stream, self._counters, self._console, conditions)
-        self._capture._source = _Both(readers)  # threads, which it would start, cannot be had
+        told = self._stream, self._counters, self._console, conditions
+        self._capture = Capture(readers, self._sink, *told, source=_Both(readers))  # no threads can be had
         self._capture.begin()
         self._capture.announce()
 

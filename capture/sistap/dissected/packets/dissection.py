@@ -19,7 +19,8 @@ from sistap.dissected.captures.portions import Portion
 from sistap.dissected.packets.apart import PACKED, apart, beside
 from sistap.dissected.packets.kept import Kept, Span
 from sistap.dissected.wireshark import rows
-from sistap.dissected.wireshark.rows import EVENT, JOINT, NECESSARY, NO_DISSECTOR, damage, first, told
+from sistap.dissected.wireshark.rows import EVENT, JOINT, NECESSARY, NO_DISSECTOR, first, told
+from sistap.dissected.wireshark.trouble import damage
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import INTERVAL_MAX, KEPT, Event

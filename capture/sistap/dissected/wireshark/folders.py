@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.dissected.wireshark.tshark import TsharkError
+from sistap.dissected.wireshark.trouble import TsharkError
 
 
 class Folders(NamedTuple):
