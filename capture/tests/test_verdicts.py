@@ -310,6 +310,8 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("master", turn(9, 200)),  # a control that takes turns
     ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
     ("error", refuse(0x10)),  # what is asked for is not known
+    ("changed", reads(*[access(5, "P-0-0222", one) for one in [1000] * 20 + [1010] * 5 + [1000] * 5], every_s=10)),
+    ("unreadable", then(*[then(do("noise"), reaction())] * 25)),  # two of three are telegrams
 )
 
 
@@ -326,6 +328,24 @@ def test_a_visitor_with_a_token_is_told() -> None:
     assert [one.detail for one in machine.told().of("master")] == [
         "master 9 asked stations 1, 3: 6 commands, 0 values read, 0 written"
     ]
+
+
+def test_what_two_visitors_write_at_once_is_told_apart() -> None:
+    machine = Machine()
+    then(run(150), *(do("write", station, "P-0-0123", 12, master=100 + station) for station in (3, 4)))(machine)
+    assert [one.detail.partition(";")[0] for one in machine.told().of("write")] == [
+        "12 rpm by new master 103",
+        "12 rpm by new master 104",
+    ]
+
+
+@pytest.mark.parametrize(("since_s", "count"), [(0, 1), (1200, 1), (2400, 0)])
+def test_a_drift_is_one_of_the_time_that_is_told(since_s: float, count: int) -> None:
+    """It takes half an hour at least; this one is an hour long."""
+    machine = Machine()
+    machine.engine = Engine(since_s=BEGIN_S + since_s)
+    told(TORQUE, RISES, every_s=30, unit="%")(machine)
+    assert len(machine.told().of("drift")) == count
 
 
 def test_many_stops_are_one_phrase() -> None:
@@ -357,6 +377,14 @@ def test_what_begins_is_told_at_once() -> None:
 
 
 # -- While it happens ------------------------------------------------------------------------------------------------
+
+
+def test_a_silence_of_three_seconds_is_one() -> None:
+    for silence_s, count in ((2.99, 0), (3.0, 1)):
+        silence = BusSilence()
+        for second in range(60):
+            silence.add(packet(second / 2, telegram(PLC, 3)))
+        assert len([*silence.add(packet(29.5 + silence_s, telegram(PLC, 3)))]) == count
 
 
 def test_a_silence_that_lasts_is_told_once() -> None:
