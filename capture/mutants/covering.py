@@ -9,9 +9,14 @@ from typing import NamedTuple
 class Part(NamedTuple):
     """A module of the engine, and the tests that cover it. Choose fast ones: they run for every mutant."""
 
-    module: str  # in capture/
-    tests: tuple[str, ...]  # in capture/tests/
+    module: str  # from capture/ on
+    tests: tuple[str, ...]  # from capture/tests/ on
     functions: tuple[str, ...] = ()  # mutate only these, if only a part of the module belongs to the engine
+
+    @property
+    def is_c(self) -> bool:
+        """Tell whether it is in C: then the plugin is built."""
+        return self.module.endswith(".c")
 
 
 # The part of a capture through which reads go.
@@ -21,14 +26,18 @@ PASSING = ("_loop", "_take_waiting", "_take", "_idle")
 EPISODES = ("test_verdicts.py", "test_small_cases.py", "test_kinds.py")
 PACKETS = ("test_packet_columns.py", "test_figures.py", "test_report_distribution.py")
 REPORT = ("test_figures.py",)
-PARAMETERS = ("test_backup.py", "test_writing.py")
+PARAMETERS = ("test_parameter_lines.py", "test_backup.py")
 STATIONS = ("test_stations.py",)
-PLAYING = ("test_answering.py",)
+PLAYING = ("test_playing.py", "test_scenario.py")
+CAPTURES = "../../test-captures"
+TIMES = tuple(f"{CAPTURES}/test_{name}.py" for name in ("timing_limits", "timing", "timing_clock", "captures"))
+EXCHANGES = tuple(f"{CAPTURES}/test_{name}.py" for name in ("exchange", "timing", "captures"))
+SEQUENCES = tuple(f"{CAPTURES}/test_{name}.py" for name in ("sequence", "captures"))
 
 
-def room(folder: str, names: str, tests: tuple[str, ...]) -> tuple[Part, ...]:
-    """Return modules of a folder that the same tests cover."""
-    return tuple(Part(f"{folder}/{name}.py", tests) for name in names.split())
+def room(folder: str, names: str, tests: tuple[str, ...], suffix: str = ".py") -> tuple[Part, ...]:
+    """Return files of a folder that the same tests cover."""
+    return tuple(Part(f"{folder}/{name}{suffix}", tests) for name in names.split())
 
 
 TAP = (
@@ -51,9 +60,9 @@ TAP = (
 
 PARTS = (
     *TAP,
-    Part("sistap/dissected/episodes/readings.py", ("test_readings.py",)),
-    Part("sistap/dissected/episodes/folding.py", ("test_folding.py",)),
-    Part("sistap/dissected/episodes/lines.py", ("test_episode_lines.py", "test_small_cases.py")),
+    Part("sistap/dissected/episodes/readings.py", ("test_readings.py", "test_verdicts.py")),
+    Part("sistap/dissected/episodes/folding.py", ("test_folding.py", *EPISODES)),
+    Part("sistap/dissected/episodes/lines.py", ("test_episode_lines.py", "test_small_cases.py", "test_verdicts.py")),
     *room(
         "sistap/dissected/episodes",
         "baseline book boots devices diagnoses engine episode faults levels machine masters paces silence states trend "
@@ -63,7 +72,14 @@ PARTS = (
     *room("sistap/dissected/packets", "apart dissection distribution", PACKETS),
     *room("sistap/commands/report", "figures pauses tables unjudged windows", REPORT),
     *room("sistap/commands/parameters", "against backup user_table wide writing", PARAMETERS),
-    *room("sistap/dissected/telegrams", "attribute interpreter values", ("test_telegrams.py", "test_backup.py")),
+    *room(
+        "sistap/dissected/telegrams",
+        "attribute interpreter values",
+        ("test_telegrams.py", "test_backup.py", "test_parameter_lines.py"),
+    ),
     *room("sisbus/stations", "flash general initialization making sercos station", STATIONS),
     *room("sisbus/playing", "characters conducting player", PLAYING),
+    *room("../plugin/sis", "timing times cycle", TIMES, ".c"),
+    *room("../plugin/sis", "exchange bus learn", EXCHANGES, ".c"),
+    *room("../plugin/sis", "sequence", SEQUENCES, ".c"),
 )

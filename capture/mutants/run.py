@@ -11,6 +11,7 @@ import importlib.util
 import os
 import queue
 import secrets
+import shlex
 import shutil
 import signal
 import subprocess
@@ -24,8 +25,12 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
+import making
+import making_c
 from covering import PARTS, Part
-from making import Mutant, difference, mutants, mutated
+from making import Mutant
+from making_c import Change
+from plugin import Plugin
 
 DESCRIPTION = """\
 Make mutants of the engine, each with one small fault, and run the tests that cover it. Print each mutant that no test
@@ -43,9 +48,13 @@ HERE = Path(__file__).resolve().parent
 CAPTURE = HERE.parent
 GOAL, ENOUGH = 0.95, 0.90  # the goal of the project; below ENOUGH the exit code is 1, because a sample varies
 WORKERS = 2
-COUNT = 100
+COUNT = 80  # about six minutes on two quiet cores
 PATIENCE, PATIENCE_S = 4, 15  # time limit: PATIENCE times as long as the tests without a fault, plus PATIENCE_S
 SURVIVED, INTERNAL = 0, 3  # exit codes of pytest; above the second: wrong usage, no tests
+OPTIONS = shlex.split(
+    '-c pyproject.toml --rootdir . -x -q -m "not thorough and not style" -p quick -p no:cacheprovider'
+)
+COMPILER = 1  # it has noticed the fault
 
 
 class Broken(Exception):
@@ -65,11 +74,21 @@ class Chosen(NamedTuple):
 
     part: Part
     source: str  # of the module, without the fault
-    mutant: Mutant
+    mutant: Mutant | Change
+
+    @property
+    def mutated(self) -> str:
+        """Return the source with the fault."""
+        if isinstance(self.mutant, Change):
+            return making_c.mutated(self.source, self.mutant)
+        return making.mutated(self.source, self.mutant)
 
     def __str__(self) -> str:
         """Name it in one line: where, and what was changed."""
-        before, after = difference(self.source, self.mutant)
+        if isinstance(self.mutant, Change):
+            before, after = making_c.difference(self.source, self.mutant)
+        else:
+            before, after = making.difference(self.source, self.mutant)
         return f"{self.part.module}:{self.mutant.line}: {before}  ->  {after}"
 
 
@@ -83,32 +102,25 @@ class Copy:
         self._running: subprocess.Popen[bytes] | None = None
         left_out = shutil.ignore_patterns("__pycache__", ".*", "build") if of == CAPTURE else None
         shutil.copytree(of, self.capture, ignore=left_out)
-        for beside in ("lua-fallback", "plugin", "test-captures"):
+        for beside in ("lua-fallback", "test-captures"):
             (folder / beside).symlink_to(CAPTURE.parent / beside)
+        self._plugin = Plugin(folder)
 
     def run(self, part: Part, limit_s: float | None = None, *, compiled: bool = False) -> int | None:
         """Run the tests of a part; return the exit code of pytest, None if they exceed the limit.
 
         `compiled`: keep the compiled Python files; those of a mutant must not stay.
         """
+        if part.is_c and not self._plugin.build():
+            return COMPILER
         tests = [f"tests/{name}" for name in part.tests]
-        options = [
-            "-x",
-            "-q",
-            "-m",
-            "not thorough and not style",
-            "-p",
-            "quick",
-            "-p",
-            "no:cacheprovider",
-            "--basetemp",
-            str(self._temporary),
-        ]
+        options = [*OPTIONS, "--basetemp", str(self._temporary)]
         process = subprocess.Popen(
             [sys.executable, "-m", "pytest", *options, *tests],
             cwd=self.capture,
-            env=os.environ
-            | {
+            env={
+                **os.environ,
+                **(self._plugin.environment if part.is_c else {}),
                 "PYTHONPATH": os.pathsep.join((str(self.capture), str(self.capture / "mutants"))),
                 "PYTHONDONTWRITEBYTECODE": "" if compiled else "1",
             },
@@ -138,7 +150,7 @@ class Copy:
         """Replace the module by the mutant."""
         module = self.capture / chosen.part.module
         Path(importlib.util.cache_from_source(str(module))).unlink(missing_ok=True)
-        module.write_text(mutated(chosen.source, chosen.mutant))
+        module.write_text(chosen.mutated)
         try:
             yield
         finally:
@@ -149,7 +161,9 @@ def all_of(parts: Iterable[Part]) -> list[Chosen]:
     """Return all mutants."""
     sources = {part: (CAPTURE / part.module).read_text() for part in parts}
     return [
-        Chosen(part, source, mutant) for part, source in sources.items() for mutant in mutants(source, part.functions)
+        Chosen(part, source, mutant)
+        for part, source in sources.items()
+        for mutant in (making_c if part.is_c else making).mutants(source, part.functions)
     ]
 
 

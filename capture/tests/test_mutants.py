@@ -12,6 +12,7 @@ import pytest
 CAPTURE = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(CAPTURE / "mutants"))
 
+import making_c  # noqa: E402
 from covering import PARTS, Part  # noqa: E402
 from making import difference, mutants, mutated  # noqa: E402
 
@@ -103,6 +104,26 @@ def test_only_some_functions() -> None:
     assert made(source, "g") == {"z = 4", "z = 2"}
 
 
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("if (a < b && !c)", {"if (a <= b && !c)", "if (a < b || !c)", "if (a < b && c)"}),
+        ("x = a + 1;", {"x = a - 1;", "x = a + 2;"}),
+        ("x->y = true;", {"x->y = false;", ";"}),
+        ("f(&a); /* 1 < 2 */", {"; /* 1 < 2 */"}),
+        ("continue;", {";"}),
+        ('x = "a < 1";', set()),
+        ("x = (int *)&y[-i];", set()),
+    ],
+)
+def test_what_is_changed_in_c(line: str, expected: set[str]) -> None:
+    source = f"static int x = 1;\nint\nf(int a)\n{{\n    {line}\n}}\n"
+    found = making_c.mutants(source)
+    assert {making_c.difference(source, one)[1] for one in found} == expected
+    assert all(making_c.mutated(source, one).count("\n") == 6 and one.function == "f" for one in found)
+    assert making_c.mutants(source, "g") == []
+
+
 def test_other_code_does_not_move_a_choice() -> None:
     source = "def f(a):\n    return a + 1"
     elsewhere = f"B = 7\ndef g(b):\n    return b - 2\n{source}"
@@ -113,13 +134,16 @@ def test_other_code_does_not_move_a_choice() -> None:
 
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: part.module)
 def test_the_table_of_the_engine(part: Part) -> None:
+    assert all((CAPTURE / "tests" / name).exists() for name in part.tests)
     source = (CAPTURE / part.module).read_text()
+    if part.is_c:
+        assert making_c.mutants(source)
+        return
     found = mutants(source, part.functions)
     assert found
     for mutant in found[::40]:
         before, after = difference(source, mutant)
         assert before != after
         assert after in mutated(source, mutant)
-    assert all((CAPTURE / "tests" / name).exists() for name in part.tests)
     named = {node.name for node in ast.walk(ast.parse(source)) if isinstance(node, ast.FunctionDef)}
     assert set(part.functions) <= named

@@ -11,10 +11,25 @@ from operator import methodcaller as do
 from typing import Any, NamedTuple
 
 import pytest
-from machines import BEGIN_S, FAULT, LAPTOP, PANEL, PLC, SPEED, WARNING, Machine, access, judged, packet, telegram
+from machines import (
+    BEGIN_S,
+    FAULT,
+    LAPTOP,
+    PANEL,
+    PLC,
+    SPEED,
+    WARNING,
+    Machine,
+    access,
+    judged,
+    packet,
+    telegram,
+    undescribed,
+)
 from test_kinds import (
     IN_LIMITS,
     LIMIT,
+    RISES,
     TORQUE,
     Play,
     asked,
@@ -34,11 +49,13 @@ from test_kinds import (
 )
 
 from sistap.dissected.episodes.baseline import unlike
+from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
-from sistap.dissected.episodes.levels import Levels
+from sistap.dissected.episodes.levels import Levels, goes_on
+from sistap.dissected.episodes.live import Live
 from sistap.dissected.episodes.machine import Machine as Drives
-from sistap.dissected.episodes.readings import Reading
-from sistap.dissected.episodes.rules import Severity
+from sistap.dissected.episodes.readings import Reading, reading
+from sistap.dissected.episodes.rules import THRESHOLDS, Severity
 from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.trend import Slots, quartiles, trend
 from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
@@ -138,6 +155,7 @@ CASES = (
     ),
     Case("lost", then(run(5), event(Event.CHARACTERS_LOST, "overrun")), "", "overrun"),
     Case("error", refuse(0x03), "station 5", "Initialization of the SIS communication, status 0xf0"),
+    Case("error", refuse(0x01), "station 5", "Cancel data transmission, status 0xf0"),
     Case("error", refuse(0x0F), "station 5", "Token passing, status 0xf0"),
     Case("never", refuse(0x00), "station 5", "Node identification, status 0xf0"),
     Case("never", refuse(0x11, 0x01), "station 5", "Read list segment, status 0x01"),
@@ -230,8 +248,8 @@ CASES = (
     ),
     Case(
         "step",
-        then(*(level(TORQUE, *part, "%") for part in ((50, 99), (70, 30), (50, 99)))),
-        *(f"station 3 {TORQUE}", "70 %, usually 50", 201.0, 259.87),
+        then(*(level(TORQUE, *part, "%") for part in ((50.25, 99), (70.25, 30), (50.25, 99)))),
+        *(f"station 3 {TORQUE}", "70.25 %, usually 50.25", 201.0, 259.87),
     ),
     Case(
         "step",
@@ -276,7 +294,97 @@ def test_what_is_said(case: Case) -> None:
         assert found.to_s - BEGIN_S == pytest.approx(case.to_s, abs=0.006)
 
 
+def turn(master: int, commands: int) -> Play:
+    """Give another master a token; it asks so often, and gives it back."""
+    give, take = (do("ask", listener, talker, service=0x0F) for talker, listener in ((PLC, master), (master, PLC)))
+    return then(run(150), give, *[do("exchange", station=3, master=master)] * commands, take, run(60))
+
+
+STATE = [access(5, "P-0-0222", str(value)) for value in [1] * 20 + [0] * 3 + [1] * 20 + [2]]
+
+# What is no news, and of which kind it would be.
+QUIET: Sequence[tuple[str, Play]] = (
+    ("write", then(reads(access(5, "P-0-0123", 12.0)), writes("P-0-0123", (PLC, 12.0)))),  # it was so
+    ("", writes("P-0-0123", (PLC, 12), (PLC, 12))),
+    ("drift", told("S-0-0051", RISES, every_s=30, unit="mm")),  # a position
+    ("master", turn(9, 200)),  # a control that takes turns
+    ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
+    ("error", refuse(0x10)),  # what is asked for is not known
+    ("changed", reads(*[access(5, "P-0-0222", one) for one in [1000] * 20 + [1010] * 5 + [1000] * 5], every_s=10)),
+    ("unreadable", then(*[then(do("noise"), reaction())] * 25)),  # two of three are telegrams
+)
+
+
+@pytest.mark.parametrize(("kind", "play"), QUIET, ids=lambda one: str(one)[:10])
+def test_what_is_not_told(kind: str, play: Play) -> None:
+    machine = Machine()
+    play(machine)
+    assert machine.told().of(kind) == []
+
+
+def test_a_visitor_with_a_token_is_told() -> None:
+    machine = Machine()
+    turn(9, 5)(machine)
+    assert [one.detail for one in machine.told().of("master")] == [
+        "master 9 asked stations 1, 3: 6 commands, 0 values read, 0 written"
+    ]
+
+
+def test_what_two_visitors_write_at_once_is_told_apart() -> None:
+    machine = Machine()
+    then(run(150), *(do("write", station, "P-0-0123", 12, master=100 + station) for station in (3, 4)))(machine)
+    assert [one.detail.partition(";")[0] for one in machine.told().of("write")] == [
+        "12 rpm by new master 103",
+        "12 rpm by new master 104",
+    ]
+
+
+@pytest.mark.parametrize(("since_s", "count"), [(0, 1), (1200, 1), (2400, 0)])
+def test_a_drift_is_one_of_the_time_that_is_told(since_s: float, count: int) -> None:
+    """It takes half an hour at least; this one is an hour long."""
+    machine = Machine()
+    machine.engine = Engine(since_s=BEGIN_S + since_s)
+    told(TORQUE, RISES, every_s=30, unit="%")(machine)
+    assert len(machine.told().of("drift")) == count
+
+
+def test_many_stops_are_one_phrase() -> None:
+    machine = Machine()
+    for _ in range(4):
+        machine.run(300)
+        machine.stop(60)
+    machine.run(300)
+    assert ". Machine stopped 4 times (" in machine.told().lines[0]
+
+
+def test_states_of_long_ago_are_forgotten() -> None:
+    for memory_s, count in ((1000, 2), (100, 1)):
+        machine = Machine()
+        machine.engine = Engine(thresholds=THRESHOLDS._replace(memory_s=memory_s))
+        reads(*STATE, every_s=10)(machine)
+        assert sum(one.count for one in machine.told().of("changed")) == count
+
+
+def test_what_begins_is_told_at_once() -> None:
+    live = Live()
+    said = [access(5, "S-0-0390", f"0x{code:08X}") for code in (0xA0101, FAULT, FAULT, 0xA0101)]
+    found = [
+        live.add(packet(BEGIN_S + n, telegram(5, PLC, is_reaction=True), accesses=[one])) for n, one in enumerate(said)
+    ]
+    assert [[hit.kind for hit in hits] for hits in found] == [[], ["fault"], [], ["fault"]]
+    visitor = telegram(LAPTOP, 3)
+    assert [hit.detail for hit in live.add(packet(BEGIN_S + 10, visitor))] == []  # whoever asks at first is usual
+
+
 # -- While it happens ------------------------------------------------------------------------------------------------
+
+
+def test_a_silence_of_three_seconds_is_one() -> None:
+    for silence_s, count in ((2.99, 0), (3.0, 1)):
+        silence = BusSilence()
+        for second in range(60):
+            silence.add(packet(second / 2, telegram(PLC, 3)))
+        assert len([*silence.add(packet(29.5 + silence_s, telegram(PLC, 3)))]) == count
 
 
 def test_a_silence_that_lasts_is_told_once() -> None:
@@ -343,10 +451,12 @@ def test_a_station_that_is_silent_while_it_happens() -> None:
         ask(silence, second)
     (hit,) = silence.under_way("")  # the last command may still be answered
     assert (hit.kind, hit.from_s, hit.to_s, hit.worst) == ("unanswered", 2, 3, 2)
-    ask(silence, 5)
+    assert silence.command(packet(4.5, telegram(PLC, 3))) == ()  # it was not
     (hit,) = silence.under_way("")
-    assert (hit.kind, hit.packet, hit.worst, hit.severity) == ("silent", 2, 3, None)
+    assert (hit.kind, hit.to_s, hit.worst) == ("silent", 4, 3)
     assert [*silence.under_way("")] == []
+    ask(silence, 5)
+    assert (hit.packet, hit.severity) == (2, None)
     silence.add(packet(6, telegram(4, PLC, is_reaction=True, good=False)))
     (hit,) = answer(silence, 7)
     assert (hit.kind, hit.to_s, hit.worst) == ("silent", 7, 3)
@@ -370,11 +480,17 @@ def test_a_file_that_ends_forgets_who_was_asked() -> None:
 # -- A machine runs or stands ----------------------------------------------------------------------------------------
 
 
+def test_a_text_may_have_its_two_lengths_before_it() -> None:
+    for data, text in (("02 00 3C 00 46 32", '"F2"'), ("00 00 3C 00", '""'), ("46 32 32 38", '"F228"')):
+        found = reading(undescribed(3, "S-0-0095", bytes.fromhex(data)))
+        assert found and found.text == text
+
+
 def stops(*said: tuple[float, int, str, Reading]) -> list[tuple[float, float]]:
     """Return from when to when it stood within 100 s."""
     drives = Drives()
-    for now_s, station, ident, reading in said:
-        drives.add(now_s, station, ident, reading)
+    for now_s, station, ident, tells in said:
+        drives.add(now_s, station, ident, tells)
     return drives.stops(0, 100)
 
 
@@ -470,6 +586,14 @@ def test_a_line_through_points() -> None:
     bent = trend([(0.0, 0.0), (1.0, 1.0), (2.0, 2.0), (3.0, 9.0)])
     assert (bent.slope, bent.scatter) == (2.0, 1.4826)  # of 1, 1, 1, 3, 4, 7
     assert trend([(0.0, 1.0), (0.0, 2.0), (1.0, 3.0)]).slope == 1.5  # nothing rises at one time
+
+
+def test_what_levels_out_does_not_go_on() -> None:
+    def bent(slope: float) -> list[tuple[float, float]]:
+        return [(float(x), 2.0 * min(x, 20) + slope * max(x - 20, 0)) for x in range(41)]
+
+    assert goes_on(bent(1.0), trend(bent(1.0)))  # 1.0 of 1.5 or so
+    assert not goes_on(bent(0.4), trend(bent(0.4)))  # of 1.2
 
 
 def test_slots_are_averages_in_bounded_memory() -> None:

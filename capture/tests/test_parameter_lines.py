@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What `sistap parameters` writes of accesses: the list, a wide table, and what differs from a backup."""
+
+from __future__ import annotations
+
+import pytest
+from machines import LAPTOP, access, undescribed
+
+from sistap.commands.parameters import against, user_table, wide
+from sistap.commands.parameters.backup import Drive, Saved
+from sistap.commands.parameters.reading import Found
+from sistap.commands.parameters.writing import list_as_csv, list_as_text
+from sistap.dissected.accesses.access import Access
+from sistap.dissected.accesses.listing import Listing, Place
+from sistap.dissected.telegrams.attribute import Attribute, Format
+from sistap.dissected.wireshark.rows import NotACapture
+
+SPEED = "S-0-0040"
+RPM = Attribute.of(4, Format.SIGNED, more=4 << 24)  # four decimal places, as machines.access() writes it
+
+
+def listed(*accesses: Access, file: str = "a") -> Listing:
+    made = Listing()
+    for packet, one in enumerate(accesses, 1):
+        made.add(Place(file, packet, 0.0), one)
+    return made
+
+
+def found(*accesses: Access) -> list[Found]:
+    return [Found(Place("a", packet, 1.5 * packet), one) for packet, one in enumerate(accesses, 1)]
+
+
+READS = access(3, SPEED, 7.0), access(3, SPEED, 5.0), access(3, SPEED, 9.0, is_write=True, master=LAPTOP)
+
+
+def test_a_row_of_the_list() -> None:
+    heads, row = list_as_text(listed(*READS, access(3, SPEED, "", error="0x7002")), several_files=False)
+    words = ["3", "4", SPEED, "rpm", "2", "1", "1", "7.0 rpm", "9.0 rpm", "5.0 rpm", "9.0 rpm", "127", "3"]
+    assert [word.strip() for word in row.split("  ") if word.strip()] == words
+    assert not {"Port", "File", "Bytes"} & set(heads.split())
+    assert [*list_as_text(listed(), several_files=False)] == []
+
+
+def test_columns_that_only_some_need() -> None:
+    assert next(list_as_text(listed(*READS), several_files=True)).split()[-1] == "File"
+    ports = listed(*READS, access(3, SPEED, 1.0, port="COM3"))
+    assert next(list_as_text(ports, several_files=False)).startswith("Port")
+    raw = undescribed(3, SPEED, b"\1\0\0\0")
+    heads, *rows = list_as_text(listed(raw, raw, *READS, access(4, SPEED, 1.0)), several_files=False)
+    at = heads.index("Bytes")
+    assert [row[at : at + 5].strip() for row in rows] == ["2", ""]
+    assert "Bytes" not in next(list_as_text(listed(raw, access(4, SPEED, 1.0)), several_files=False))
+
+
+def test_the_list_for_programs() -> None:
+    heads, row = list_as_csv(listed(*READS))
+    said = dict(zip(heads.split(","), row.split(","), strict=True))
+    assert (said["reads"], said["writes"], said["errors"], said["least"], said["greatest"]) == (
+        "2",
+        "1",
+        "0",
+        "5.0",
+        "9.0",
+    )
+    assert (said["written_by"], said["written_in_packet"], said["written_in_file"]) == ("127", "3", "a")
+
+
+def test_a_wide_table_has_a_line_for_each_time() -> None:
+    other = access(4, "P-0-0012", "on")
+    both = Found(Place("a", 1, 1.5), other)
+    table = [*wide.lines([both, *found(*READS), Found(Place("a", 9, 4.5), other)])]
+    assert table[0] == "time,4 device 4 P-0-0012,3 device 4 S-0-0040 (rpm)"
+    assert [line.split(",", 1)[1] for line in table[1:]] == ["on,7.0", ",5.0", "on,9.0"]
+    assert [*wide.lines(found(access(3, SPEED, "", error="0x7002")))] == []
+    ports = [*wide.lines(found(access(3, SPEED, 1.0, port="COM3"), access(3, SPEED, 1.0, port="COM4")))]
+    assert ports[0] == "time,COM3 3 device 4 S-0-0040 (rpm),COM4 3 device 4 S-0-0040 (rpm)"
+
+
+def saved(data: bytes | None, attribute: Attribute = RPM) -> list[tuple[str, Drive]]:
+    one = Saved(SPEED, "Speed", attribute, "rpm", "-1", "1", ["7"], data)
+    return [("3", Drive("Axis", "DKC", "3", [one]))]
+
+
+SEVEN = (70_000).to_bytes(4, "little")
+
+
+@pytest.mark.parametrize(
+    ("accesses", "line"),
+    [
+        (READS, "3 device 4  S-0-0040 (Speed)  7.0000 rpm -> 9.0000 rpm  written by 127 in packet 3"),
+        (READS[:2], "3 device 4  S-0-0040 (Speed)  7.0000 rpm -> 5.0000 rpm  read in packet 2"),
+        (READS[:1], ""),
+        ((READS[2], READS[0]), ""),
+        ((READS[2], READS[1]), "3 device 4  S-0-0040 (Speed)  7.0000 rpm -> 5.0000 rpm  written by 127 in packet 1"),
+        ((READS[0], access(3, SPEED, "", error="0x7002")), ""),
+    ],
+)
+def test_the_last_value_is_beside_the_backup(accesses: tuple[Access, ...], line: str) -> None:
+    told = [*against.lines(saved(SEVEN), found(*accesses))]
+    assert told == [*filter(None, [line]), f"{int(bool(line))} of 1 parameters of station 3 differ from the backup"]
+
+
+@pytest.mark.parametrize(
+    ("backup", "accesses", "why"),
+    [
+        (saved(SEVEN), (), "the capture has no value of a parameter"),
+        (saved(None), READS, "no value of a parameter that the backup has and a master can write"),
+        (saved(SEVEN, RPM._replace(bits=RPM.bits | 0x7000_0000)), READS, "that the backup has and a master can write"),
+        (saved(SEVEN), (access(5, SPEED, 1.0), access(10, SPEED, 1.0)), "has values of stations 5, 10: choose with"),
+    ],
+)
+def test_nothing_compared_is_said(backup: list[tuple[str, Drive]], accesses: tuple[Access, ...], why: str) -> None:
+    with pytest.raises(NotACapture, match=why):
+        list(against.lines(backup, found(*accesses)))
+
+
+def test_a_parameter_set_is_in_the_number_of_the_table() -> None:
+    ((_, drive),) = saved(SEVEN)
+    other = drive._replace(parameters=[drive.parameters[0]._replace(ident="P-2-0012", name='"n\\')])
+    row = '"S","0040","Speed","rpm","0x04220001","-1.0000 rpm","1.0000 rpm","3"'
+    assert [*user_table.lines(drive, "3")] == [row]
+    assert next(user_table.lines(other, "")).startswith('"P","2-0012","\\x22n\\x5c",')
+
+
+def test_parameters_are_sorted_by_their_numbers() -> None:
+    accesses = [access(station, SPEED, 1.0) for station in ("10", "3/2/8", "3", "5")]
+    made = listed(*accesses)
+    assert [one.parameter.station for one in made] == ["3", "3/2/8", "5", "10"]
