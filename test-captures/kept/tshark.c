@@ -67,13 +67,15 @@ add_file(const char *path, const struct stat *about, int type, struct FTW *place
     return close(file);
 }
 
-/* Only what reads a capture: without a script, a list of what there is, limits, personal plugins. */
+/* Only what reads a file, with no other end than its own: no pipe, script, list of what there is, limit or
+ * personal plugin. */
 static bool
 can_be_kept(char **arguments)
 {
     bool reads = false;
     for (char **argument = arguments + 1; *argument; argument++) {
-        reads |= strcmp(*argument, "-r") == 0;
+        if (strcmp(*argument, "-r") == 0)
+            reads = argument[1] && strcmp(argument[1], "-") != 0;
         if (strncmp(*argument, "-X", 2) == 0 || strncmp(*argument, "-G", 2) == 0 ||
             strcmp(*argument, "-v") == 0)
             return false;
