@@ -46,13 +46,6 @@ typedef struct {
 
 static wmem_map_t *buses;
 
-/* The partners give up when nothing comes for the block wait, or after QVZ, if that is set to more. */
-static bool
-is_given_up(const bus_t *bus, const sis_times_t *times, int64_t qvz)
-{
-    return sertap_elapsed(bus->end, times->begin) > MAX(P3964R_BLOCK_WAIT_MS * MS, 2 * qvz);
-}
-
 static void
 end_series(bus_t *bus)
 {
@@ -73,15 +66,6 @@ count_try(bus_t *bus, uint8_t line, bool is_same)
     return bus->tries;
 }
 
-/* Whether a request may be for the last block again. On a line that both share, only the partner asks before
- * QVZ is over. */
-static bool
-may_be_again(const bus_t *bus, const unit_t *unit, const sis_times_t *times, int64_t qvz)
-{
-    return unit->asked.line != 0 || bus->block == NULL ||
-           sertap_elapsed(bus->block->asked.end, times->begin) >= qvz;
-}
-
 /* Two requests within QVZ come from both partners, if possible: then neither was answered. */
 static void
 note_request(bus_t *bus, unit_t *unit, const sis_times_t *times)
@@ -89,11 +73,14 @@ note_request(bus_t *bus, unit_t *unit, const sis_times_t *times)
     unit_t *before = bus->request, *tried = before;
     int64_t qvz = (pref_3964r_qvz_ms > 0 ? pref_3964r_qvz_ms : P3964R_QVZ_MS) * MS;
     bool is_soon = before != NULL && sertap_elapsed(before->asked.end, times->begin) < qvz;
-    bool is_over = is_given_up(bus, times, qvz);
+    /* The partners give up when nothing comes for the block wait, or after QVZ, if that is set to more. */
+    bool is_over = sertap_elapsed(bus->end, times->begin) > MAX(P3964R_BLOCK_WAIT_MS * MS, 2 * qvz);
 
     unit->meaning = P3964R_ASKS;
     unit->tries = 1;
-    bus->is_asked_again = may_be_again(bus, unit, times, qvz);
+    /* Perhaps for the last block. On a line that both share, only the partner asks before QVZ is over. */
+    bus->is_asked_again = unit->asked.line != 0 || bus->block == NULL ||
+                          sertap_elapsed(bus->block->asked.end, times->begin) >= qvz;
     bus->granted = NULL;
     if (is_over)
         end_series(bus);
@@ -348,8 +335,7 @@ show_data(tvbuff_t *data, packet_info *pinfo, proto_tree *parent, proto_tree *tr
 
     if (is_good && rk512i_dissect(data, pinfo, parent, &block))
         return;
-    if (tvb_captured_length(data) > 0)
-        proto_tree_add_item(tree, hf_3964r_data, data, 0, -1, ENC_NA);
+    add_bytes(tree, hf_3964r_data, data, 0, tvb_captured_length(data));
 }
 
 static void

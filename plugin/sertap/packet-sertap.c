@@ -8,6 +8,7 @@
 
 #include <epan/decode_as.h>
 #include <epan/expert.h>
+#include <epan/proto_data.h>
 #include <epan/tap.h>
 
 #include "sertap/line.h"
@@ -225,7 +226,7 @@ add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sert
 
     if (!proto_field_is_referenced(tree, hf_sertap_interval_max))
         return;
-    flag = compat_get_uint8(tvb, record->flags_offset + at);
+    flag = sertap_flags(record, at);
     ti = proto_tree_add_time_format_value(
         tree, hf_sertap_interval_max, tvb, record->times_offset + 4 * at, 4, &longest,
         "%s, before character %u",
@@ -392,7 +393,7 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
         return tvb_captured_length(tvb);
     }
 
-    sertap_record_keep(pinfo, record);
+    p_add_proto_data(pinfo->pool, pinfo, proto_sertap, 0, record); /* for sertap_record() */
     ti = proto_tree_add_item(tree, hf_sertap_count, tvb, 16, 2, ENC_BIG_ENDIAN);
     check_count(tvb, pinfo, ti, record);
     proto_item_append_text(root, ", %s",
@@ -464,7 +465,6 @@ sertap_handoff(void)
 void
 sertap_register(void)
 {
-
     framing_table =
         register_dissector_table("sertap.framing", "Serial framing", proto_sertap, FT_UINT8, BASE_DEC);
     told_table = register_dissector_table("sertap.told", "What was told before, by framing", proto_sertap,

@@ -8,7 +8,6 @@
 #include <math.h>
 
 #define NS_PER_US INT64_C(1000)
-#define NS_PER_MS INT64_C(1000000)
 #define NS_PER_S  INT64_C(1000000000)
 
 int64_t
@@ -70,8 +69,9 @@ sertap_can_be_counted(const packet_info *pinfo)
 }
 
 /* Written from its end; printf() takes ten times as long. */
-static char *
-text_with_unit(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals, const char *unit)
+char *
+sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals,
+                    const char *unit)
 {
     uint64_t magnitude = value < 0 ? -(uint64_t)value : (uint64_t)value;
     uint64_t digits = magnitude / divisor + (magnitude % divisor >= divisor - divisor / 2);
@@ -90,26 +90,8 @@ text_with_unit(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigne
     return wmem_strdup(scope, begin);
 }
 
-char *
-sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals)
-{
-    return text_with_unit(scope, value, divisor, decimals, "");
-}
-
 const char *
 sertap_ms_text(wmem_allocator_t *scope, int64_t ns)
 {
-    return text_with_unit(scope, ns, NS_PER_US, 3, " ms");
-}
-
-const char *
-sertap_exact_ms_text(wmem_allocator_t *scope, int64_t ns)
-{
-    return text_with_unit(scope, ns, 1, 6, " ms");
-}
-
-const char *
-sertap_s_text(wmem_allocator_t *scope, int64_t ns)
-{
-    return text_with_unit(scope, ns, NS_PER_MS, 3, " s");
+    return sertap_decimal_text(scope, ns, NS_PER_US, 3, " ms");
 }

@@ -81,7 +81,7 @@ sis_show_switch(sis_body_t *body)
         return;
     }
     taken = sertap_time(elapsed);
-    text = sertap_s_text(body->pinfo->pool, elapsed);
+    text = sertap_decimal_text(body->pinfo->pool, elapsed, 1000000, 3, " s");
     item = proto_tree_add_time_format_value(body->tree, hf_sis_phase_switch_time, body->tvb, 0, 0, &taken,
                                             "%s", text);
     proto_item_set_generated(item);
