@@ -5036,7 +5036,7 @@ do
       return
     end
     local text = T.decimal_text(taken, 1e6, 3) .. " s"
-    set_generated(add_value(body.tree, F.phase_switch_time, body.tvb, 0, 0, nstime(taken), text))
+    S.add_time(body.tree, F.phase_switch_time, body.tvb, taken, text)
     S.say(body, ", %s after %s", words, text)
   end
 
@@ -5421,11 +5421,14 @@ do
     return exchange and exchange.from ~= exchange.from.stream.from[S.direction(telegram)]
   end
 
-  -- A duration as "12.345 ms". A clock that is set back makes none.
+  -- A duration that stands for no bytes, with its text.
+  function S.add_time(tree, which, tvb, ns, text)
+    return tree and set_generated(add_value(tree, which, tvb, 0, 0, nstime(ns), text))
+  end
+
+  -- The same as "12.345 ms". A clock that is set back makes none.
   function S.add_ms(tree, which, tvb, ns, sign)
-    if tree and ns >= 0 then
-      set_generated(add_value(tree, which, tvb, 0, 0, nstime(ns), (sign or "") .. T.ms_text(ns)))
-    end
+    if ns >= 0 then S.add_time(tree, which, tvb, ns, (sign or "") .. T.ms_text(ns)) end
   end
 
   -- A time as a number of ms, rounded to three digits, for a column of the packet list. Hidden: the tree has the time
@@ -7974,9 +7977,7 @@ do
   -- longest (nil: unknown, or not needed), wait: TwM (negative: none)}.
 
   local function add_time(t, which, ns, text)
-    local item = t.tree and add_value(t.tree, which, t.body.tvb, 0, 0, nstime(ns), text)
-
-    return set_generated(item)
+    return S.add_time(t.tree, which, t.body.tvb, ns, text)
   end
 
   local function add_uint(t, which, value, text)
@@ -9019,9 +9020,7 @@ do
   end
 
   local function show_verdict(d, limit_field, verdict_field, limit_ms, verdict, words)
-    if d.tree then
-      set_generated(add_value(d.tree, limit_field, d.tvb, 0, 0, nstime(limit_ms * MS), limit_ms .. " ms"))
-    end
+    S.add_time(d.tree, limit_field, d.tvb, limit_ms * MS, limit_ms .. " ms")
     local item = add_generated(d.tree, verdict_field, d.tvb, verdict)
 
     if verdict == K.TIME_OK then return end
@@ -11074,10 +11073,7 @@ do
   local function show_verdict(line, limit_ms, source)
     local verdict = S.judge(line.unit.span, limit_ms * MS)
 
-    if line.tree then
-      set_generated(add_value(line.tree, F.trs_limit, line.tvb, 0, 0, nstime(limit_ms * MS),
-        limit_ms .. " ms" .. source))
-    end
+    S.add_time(line.tree, F.trs_limit, line.tvb, limit_ms * MS, limit_ms .. " ms" .. source)
     if source ~= "" then add_generated(line.tree, F.trs_set_in, line.tvb, line.unit.limit.set_in) end
     local item = add_generated(line.tree, F.trs_verdict, line.tvb, verdict)
 

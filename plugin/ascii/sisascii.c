@@ -296,11 +296,10 @@ static void
 show_verdict(line_t *line, unsigned limit_ms, const char *source)
 {
     sis_verdict_t verdict = sis_judge(line->unit->asked.span, limit_ms * MS);
-    nstime_t limit = sertap_time(limit_ms * MS);
     proto_item *item;
 
-    proto_item_set_generated(proto_tree_add_time_format_value(line->tree, hf_sis_trs_limit, line->tvb, 0, 0,
-                                                              &limit, "%u ms%s", limit_ms, source));
+    sertap_add_time(line->tree, hf_sis_trs_limit, line->tvb, limit_ms * MS,
+                    wmem_strdup_printf(line->pinfo->pool, "%u ms%s", limit_ms, source));
     if (source[0] != '\0')
         add_link(line->tree, hf_sis_trs_set_in, line->tvb, line->unit->limit.set_in);
     item = add_generated(line->tree, hf_sis_trs_verdict, line->tvb, verdict);
@@ -328,8 +327,7 @@ show_time(line_t *line)
     if (line->unit->asked.request_in == 0)
         return;
     if (is_measured(line)) {
-        proto_item_set_generated(
-            sertap_add_ms(line->tree, hf_sis_reaction_time, line->tvb, 0, 0, line->pinfo->pool, elapsed));
+        sertap_add_ms(line->tree, hf_sis_reaction_time, line->tvb, line->pinfo->pool, elapsed);
         sertap_add_column_ms(line->tree, hf_sis_reaction_time_ms, line->tvb, elapsed);
     }
     if (line->times.record == NULL)

@@ -187,10 +187,9 @@ static void
 show_verdict(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, int hf_limit, int hf_verdict,
              unsigned limit_ms, sis_verdict_t verdict, const char *words)
 {
-    nstime_t limit = sertap_time(limit_ms * MS);
-    proto_item *item = proto_tree_add_time_format_value(tree, hf_limit, tvb, 0, 0, &limit, "%u ms", limit_ms);
+    proto_item *item;
 
-    proto_item_set_generated(item);
+    sertap_add_time(tree, hf_limit, tvb, limit_ms * MS, wmem_strdup_printf(pinfo->pool, "%u ms", limit_ms));
     item = add_generated(tree, hf_verdict, tvb, verdict);
     if (verdict == SIS_TIME_OK)
         return;
@@ -207,8 +206,7 @@ show_answer(const unit_t *unit, const sis_times_t *times, tvbuff_t *tvb, packet_
     add_link(tree, hf_3964r_answers, tvb, unit->asked.request_in);
     if (unit->asked.request_in == 0)
         return;
-    proto_item_set_generated(
-        sertap_add_ms(tree, hf_3964r_answer_time, tvb, 0, 0, pinfo->pool, unit->asked.elapsed));
+    sertap_add_ms(tree, hf_3964r_answer_time, tvb, pinfo->pool, unit->asked.elapsed);
     if (times->record != NULL && pref_3964r_qvz_ms > 0)
         show_verdict(tree, pinfo, tvb, hf_3964r_qvz_limit, hf_3964r_qvz_verdict, pref_3964r_qvz_ms,
                      sis_judge(unit->asked.span, pref_3964r_qvz_ms * MS),
@@ -221,7 +219,6 @@ show_intervals(const sis_times_t *times, tvbuff_t *tvb, packet_info *pinfo, prot
 {
     sis_longest_t longest;
     int64_t shown;
-    nstime_t value;
     bool is_longer;
 
     if (times->record == NULL)
@@ -231,11 +228,10 @@ show_intervals(const sis_times_t *times, tvbuff_t *tvb, packet_info *pinfo, prot
         return;
     is_longer = longest.interval.is_saturated;
     shown = longest.interval.is_exact || is_longer ? longest.interval.recorded : longest.interval.span.most;
-    value = sertap_time(shown);
     if (shown != SIS_ANY_TIME)
-        proto_item_set_generated(proto_tree_add_time_format_value(
-            tree, hf_3964r_zvz_interval_max, tvb, 0, 0, &value, "%s%s", is_longer ? "more than " : "",
-            sertap_ms_text(pinfo->pool, shown)));
+        sertap_add_time(tree, hf_3964r_zvz_interval_max, tvb, shown,
+                        wmem_strconcat(pinfo->pool, is_longer ? "more than " : "",
+                                       sertap_ms_text(pinfo->pool, shown), NULL));
     add_generated(tree, hf_3964r_zvz_position, tvb, longest.interval.at);
     if (pref_3964r_zvz_ms > 0)
         show_verdict(

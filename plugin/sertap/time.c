@@ -36,18 +36,23 @@ sertap_time(int64_t ns)
     return moment;
 }
 
+proto_item *
+sertap_add_time(proto_tree *tree, int hf, tvbuff_t *tvb, int64_t ns, const char *text)
+{
+    nstime_t time = sertap_time(ns);
+    proto_item *item = proto_tree_add_time_format_value(tree, hf, tvb, 0, 0, &time, "%s", text);
+
+    proto_item_set_generated(item);
+    return item;
+}
+
 /* Wireshark leaves out items that nobody sees or filters for, but only after their text is made.
  * A clock that is set back makes no duration. */
-proto_item *
-sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset, unsigned length,
-              wmem_allocator_t *scope, int64_t ns)
+void
+sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, wmem_allocator_t *scope, int64_t ns)
 {
-    nstime_t moment = sertap_time(ns);
-
-    if (ns < 0 || !proto_field_is_referenced(tree, hf))
-        return NULL;
-    return proto_tree_add_time_format_value(tree, hf, tvb, offset, length, &moment, "%s",
-                                            sertap_ms_text(scope, ns));
+    if (ns >= 0 && proto_field_is_referenced(tree, hf))
+        sertap_add_time(tree, hf, tvb, ns, sertap_ms_text(scope, ns));
 }
 
 void

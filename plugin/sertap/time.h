@@ -31,9 +31,11 @@ char *sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divis
 /* "12.346 ms". */
 const char *sertap_ms_text(wmem_allocator_t *scope, int64_t ns);
 
-/* Adds a duration as "12.345 ms"; returns NULL where nobody sees it or there is none. */
-proto_item *sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset, unsigned length,
-                          wmem_allocator_t *scope, int64_t ns);
+/* Adds a duration that stands for no bytes, with its text. */
+proto_item *sertap_add_time(proto_tree *tree, int hf, tvbuff_t *tvb, int64_t ns, const char *text);
+
+/* The same as "12.345 ms", where somebody sees it and there is one. */
+void sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, wmem_allocator_t *scope, int64_t ns);
 
 /* The same as a number of ms, rounded to three digits, for a column of the packet list. Hidden: the tree has
  * the time already. */

@@ -301,8 +301,7 @@ show_reaction(const dissection_t *d)
                                exchange->reaction_time == 0 ? "in the same read"
                                                             : "whose end has a later time");
     else if (exchange->has_time && d->tree != NULL) {
-        proto_item_set_generated(sertap_add_ms(d->tree, hf_sis_reaction_time, d->tvb, 0, 0, d->pinfo->pool,
-                                               exchange->reaction_time));
+        sertap_add_ms(d->tree, hf_sis_reaction_time, d->tvb, d->pinfo->pool, exchange->reaction_time);
         sertap_add_column_ms(d->tree, hf_sis_reaction_time_ms, d->tvb, exchange->reaction_time);
     }
 }

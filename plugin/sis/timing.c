@@ -82,11 +82,7 @@ span_text(const timing_t *t, const sis_span_t *span)
 static proto_item *
 add_time(const timing_t *t, int hf, int64_t ns, const char *text)
 {
-    nstime_t value = sertap_time(ns);
-    proto_item *item = proto_tree_add_time_format_value(t->tree, hf, t->body->tvb, 0, 0, &value, "%s", text);
-
-    proto_item_set_generated(item);
-    return item;
+    return sertap_add_time(t->tree, hf, t->body->tvb, ns, text);
 }
 
 static const sis_setting_t *

@@ -259,7 +259,8 @@ show_links(telegram_t *t)
     sis_asked_fields_t fields = {hf_synax_request_in, hf_synax_answer_in, hf_synax_answer_time};
 
     sis_asked_show(&t->kept->asked, t->tree, t->tvb, t->pinfo, &fields);
-    if (add_link(t->tree, hf_synax_unanswered_in, t->tvb, t->kept->unanswered_in) != NULL)
+    add_link(t->tree, hf_synax_unanswered_in, t->tvb, t->kept->unanswered_in);
+    if (t->kept->unanswered_in != 0)
         expert_add_info(t->pinfo, t->root, &ei_synax_unanswered_before);
 }
 

@@ -118,10 +118,11 @@ show_link(const dissection_t *d, const link_t *link)
     sis_asked_fields_t fields = {hf_synax_request_in, hf_synax_answer_in, hf_synax_answer_time};
 
     sis_asked_show(&link->asked, d->tree, d->tvb, d->pinfo, &fields);
-    if (link->asked.answer_in == 0 &&
-        add_link(d->tree, hf_synax_next_request_in, d->tvb, link->next_in) != NULL)
-        expert_add_info_format(d->pinfo, d->root, &ei_synax_unanswered,
-                               "No answer was read before the next write request");
+    if (link->asked.answer_in != 0 || link->next_in == 0)
+        return;
+    add_generated(d->tree, hf_synax_next_request_in, d->tvb, link->next_in);
+    expert_add_info_format(d->pinfo, d->root, &ei_synax_unanswered,
+                           "No answer was read before the next write request");
 }
 
 static bool
