@@ -14,17 +14,7 @@ void proto_reg_handoff_sis(void);
 void
 proto_register_sis(void)
 {
-    protocol_register_sertap();
-    protocol_register_sis();
-    protocol_register_synax();
-    protocol_register_arcnet7f();
-    protocol_register_synaxpk();
-    protocol_register_rk512i();
-    protocol_register_3964r();
-    protocol_register_synaxobj();
-    protocol_register_synaxpcp();
-    protocol_register_synaxpd();
-    protocol_register_sisascii();
+    protocol_register();
     sertap_register();
     sertap_line_register();
     sis_address_register();

@@ -37,7 +37,7 @@ typedef struct sisascii_command {
     uint8_t drive;
 } sisascii_command_t;
 
-/* A line, with the results of the first pass. */
+/* A line, with the results of the first pass. The tap "sisascii" receives answers whose time was measured. */
 typedef struct {
     sis_asked_t asked; /* it answers if it is the first line of an answer */
     sisascii_kind_t kind;

@@ -467,8 +467,8 @@ expert_field ei_synax_unanswered = EI_INIT;
 expert_field ei_synax_unanswered_before = EI_INIT;
 expert_field ei_synax_pieces_too_many = EI_INIT;
 
-void
-protocol_register_sertap(void)
+static void
+register_sertap(void)
 {
     static hf_register_info fields[] = {
         {&hf_sertap_version, {"Version", "sertap.version", FT_UINT8, BASE_DEC, NULL, 0, "Version of the record's layout", HFILL}},
@@ -518,8 +518,8 @@ protocol_register_sertap(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_sis(void)
+static void
+register_sis(void)
 {
     static hf_register_info fields[] = {
         {&hf_sis_data, {"Data", "sis.data", FT_BYTES, BASE_NONE, NULL, 0, "The operating data, and nothing else", HFILL}},
@@ -707,8 +707,8 @@ protocol_register_sis(void)
     prefs_register_bool_preference(module, "udp_heuristic", "Recognize SIS on any UDP port", "The same for a datagram. Process data of a PPC may look like a telegram by chance", &pref_sis_udp_heuristic);
 }
 
-void
-protocol_register_3964r(void)
+static void
+register_3964r(void)
 {
     static hf_register_info fields[] = {
         {&hf_3964r_character, {"Character", "3964r.character", FT_UINT8, BASE_HEX, VALS(sis_procedure_characters), 0, "A single character of the procedure", HFILL}},
@@ -757,8 +757,8 @@ protocol_register_3964r(void)
     prefs_register_uint_preference(module, "qvz_ms", "QVZ in ms", "Longest time to the partner's answer; 0: no verdict", 10, &pref_3964r_qvz_ms);
 }
 
-void
-protocol_register_rk512i(void)
+static void
+register_rk512i(void)
 {
     static hf_register_info fields[] = {
         {&hf_rk512i_follow_up, {"Telegram", "rk512i.follow_up", FT_UINT8, BASE_HEX, VALS(sis_rk512_telegrams), 0, "The first telegram of a transfer, or one that continues it", HFILL}},
@@ -781,8 +781,8 @@ protocol_register_rk512i(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_arcnet7f(void)
+static void
+register_arcnet7f(void)
 {
     static hf_register_info fields[] = {
         {&hf_arcnet7f_id, {"Protocol", "arcnet7f.id", FT_UINT8, BASE_HEX, NULL, 0, "Always 0x7F", HFILL}},
@@ -803,8 +803,8 @@ protocol_register_arcnet7f(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_synax(void)
+static void
+register_synax(void)
 {
     static hf_register_info fields[] = {
         {&hf_synax_request_in, {"Request in", "synax.request_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, "The packet that this answer belongs to", HFILL}},
@@ -846,8 +846,8 @@ protocol_register_synax(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_synaxpk(void)
+static void
+register_synaxpk(void)
 {
     static hf_register_info fields[] = {
         {&hf_synaxpk_word, {"Control or status word", "synaxpk.word", FT_UINT16, BASE_HEX, NULL, 0, "FBSteuer of the master, FBStatus of the slave", HFILL}},
@@ -892,8 +892,8 @@ protocol_register_synaxpk(void)
     prefs_register_enum_preference(module, "direction", "Sender", "Who has sent the packets: in a capture made at the master, what it sent comes from the master, and what it received from the slave", &pref_synaxpk_direction, choices_synaxpk_direction, FALSE);
 }
 
-void
-protocol_register_synaxobj(void)
+static void
+register_synaxobj(void)
 {
     static hf_register_info fields[] = {
         {&hf_synaxobj_index, {"Object", "synaxobj.index", FT_UINT16, BASE_HEX, VALS(sis_synaxobj_names), 0, "Which object is read or written", HFILL}},
@@ -919,8 +919,8 @@ protocol_register_synaxobj(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_synaxpcp(void)
+static void
+register_synaxpcp(void)
 {
     static hf_register_info fields[] = {
         {&hf_synaxpcp_service, {"Service", "synaxpcp.service", FT_UINT16, BASE_HEX, VALS(sis_synaxpcp_services), 0, "What the telegram asks for or answers", HFILL}},
@@ -950,8 +950,8 @@ protocol_register_synaxpcp(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_synaxpd(void)
+static void
+register_synaxpd(void)
 {
     static hf_register_info fields[] = {
         {&hf_synaxpd_direction, {"Direction", "synaxpd.direction", FT_UINT8, BASE_DEC, VALS(sis_synaxpd_directions), 0, "Known where one port is among those of preference synaxpd.ports", HFILL}},
@@ -972,8 +972,8 @@ protocol_register_synaxpd(void)
     prefs_register_bool_preference(module, "swap_words", "Words of a double word are swapped", "As bits of C-0-0129 say", &pref_synaxpd_swap_words);
 }
 
-void
-protocol_register_sisascii(void)
+static void
+register_sisascii(void)
 {
     static hf_register_info fields[] = {
         {&hf_sisascii_kind, {"Line", "sisascii.kind", FT_UINT8, BASE_DEC, VALS(sis_ascii_kinds), 0, "What a line of the ASCII protocol is", HFILL}},
@@ -987,4 +987,20 @@ protocol_register_sisascii(void)
     proto_sisascii = proto_register_protocol("Rexroth ASCII protocol", "SISASCII", "sisascii");
     proto_register_field_array(proto_sisascii, fields, array_length(fields));
     proto_register_subtree_array(subtrees, array_length(subtrees));
+}
+
+void
+protocol_register(void)
+{
+    register_sertap();
+    register_sis();
+    register_3964r();
+    register_rk512i();
+    register_arcnet7f();
+    register_synax();
+    register_synaxpk();
+    register_synaxobj();
+    register_synaxpcp();
+    register_synaxpd();
+    register_sisascii();
 }

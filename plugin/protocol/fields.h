@@ -492,17 +492,7 @@ extern range_t *pref_synaxpd_ports;
 extern compat_bool pref_synaxpd_swap_bytes;
 extern compat_bool pref_synaxpd_swap_words;
 
-/* Each registers a protocol, and all of it that stands here. */
-void protocol_register_sertap(void);
-void protocol_register_sis(void);
-void protocol_register_3964r(void);
-void protocol_register_rk512i(void);
-void protocol_register_arcnet7f(void);
-void protocol_register_synax(void);
-void protocol_register_synaxpk(void);
-void protocol_register_synaxobj(void);
-void protocol_register_synaxpcp(void);
-void protocol_register_synaxpd(void);
-void protocol_register_sisascii(void);
+/* Registers all protocols, and all of them that stands here. */
+void protocol_register(void);
 
 #endif

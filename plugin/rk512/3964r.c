@@ -46,13 +46,6 @@ typedef struct {
 
 static wmem_map_t *buses;
 
-/* The partners give up when nothing comes for the block wait, or after QVZ, if that is set to more. */
-static bool
-is_given_up(const bus_t *bus, const sis_times_t *times, int64_t qvz)
-{
-    return sertap_elapsed(bus->end, times->begin) > MAX(P3964R_BLOCK_WAIT_MS * MS, 2 * qvz);
-}
-
 static void
 end_series(bus_t *bus)
 {
@@ -73,15 +66,6 @@ count_try(bus_t *bus, uint8_t line, bool is_same)
     return bus->tries;
 }
 
-/* Whether a request may be for the last block again. On a line that both share, only the partner asks before
- * QVZ is over. */
-static bool
-may_be_again(const bus_t *bus, const unit_t *unit, const sis_times_t *times, int64_t qvz)
-{
-    return unit->asked.line != 0 || bus->block == NULL ||
-           sertap_elapsed(bus->block->asked.end, times->begin) >= qvz;
-}
-
 /* Two requests within QVZ come from both partners, if possible: then neither was answered. */
 static void
 note_request(bus_t *bus, unit_t *unit, const sis_times_t *times)
@@ -89,11 +73,14 @@ note_request(bus_t *bus, unit_t *unit, const sis_times_t *times)
     unit_t *before = bus->request, *tried = before;
     int64_t qvz = (pref_3964r_qvz_ms > 0 ? pref_3964r_qvz_ms : P3964R_QVZ_MS) * MS;
     bool is_soon = before != NULL && sertap_elapsed(before->asked.end, times->begin) < qvz;
-    bool is_over = is_given_up(bus, times, qvz);
+    /* The partners give up when nothing comes for the block wait, or after QVZ, if that is set to more. */
+    bool is_over = sertap_elapsed(bus->end, times->begin) > MAX(P3964R_BLOCK_WAIT_MS * MS, 2 * qvz);
 
     unit->meaning = P3964R_ASKS;
     unit->tries = 1;
-    bus->is_asked_again = may_be_again(bus, unit, times, qvz);
+    /* Perhaps for the last block. On a line that both share, only the partner asks before QVZ is over. */
+    bus->is_asked_again = unit->asked.line != 0 || bus->block == NULL ||
+                          sertap_elapsed(bus->block->asked.end, times->begin) >= qvz;
     bus->granted = NULL;
     if (is_over)
         end_series(bus);
@@ -200,10 +187,9 @@ static void
 show_verdict(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, int hf_limit, int hf_verdict,
              unsigned limit_ms, sis_verdict_t verdict, const char *words)
 {
-    nstime_t limit = sertap_time(limit_ms * MS);
-    proto_item *item = proto_tree_add_time_format_value(tree, hf_limit, tvb, 0, 0, &limit, "%u ms", limit_ms);
+    proto_item *item;
 
-    proto_item_set_generated(item);
+    sertap_add_time(tree, hf_limit, tvb, limit_ms * MS, wmem_strdup_printf(pinfo->pool, "%u ms", limit_ms));
     item = add_generated(tree, hf_verdict, tvb, verdict);
     if (verdict == SIS_TIME_OK)
         return;
@@ -220,8 +206,7 @@ show_answer(const unit_t *unit, const sis_times_t *times, tvbuff_t *tvb, packet_
     add_link(tree, hf_3964r_answers, tvb, unit->asked.request_in);
     if (unit->asked.request_in == 0)
         return;
-    proto_item_set_generated(
-        sertap_add_ms(tree, hf_3964r_answer_time, tvb, 0, 0, pinfo->pool, unit->asked.elapsed));
+    sertap_add_ms(tree, hf_3964r_answer_time, tvb, pinfo->pool, unit->asked.elapsed);
     if (times->record != NULL && pref_3964r_qvz_ms > 0)
         show_verdict(tree, pinfo, tvb, hf_3964r_qvz_limit, hf_3964r_qvz_verdict, pref_3964r_qvz_ms,
                      sis_judge(unit->asked.span, pref_3964r_qvz_ms * MS),
@@ -234,7 +219,6 @@ show_intervals(const sis_times_t *times, tvbuff_t *tvb, packet_info *pinfo, prot
 {
     sis_longest_t longest;
     int64_t shown;
-    nstime_t value;
     bool is_longer;
 
     if (times->record == NULL)
@@ -244,11 +228,10 @@ show_intervals(const sis_times_t *times, tvbuff_t *tvb, packet_info *pinfo, prot
         return;
     is_longer = longest.interval.is_saturated;
     shown = longest.interval.is_exact || is_longer ? longest.interval.recorded : longest.interval.span.most;
-    value = sertap_time(shown);
     if (shown != SIS_ANY_TIME)
-        proto_item_set_generated(proto_tree_add_time_format_value(
-            tree, hf_3964r_zvz_interval_max, tvb, 0, 0, &value, "%s%s", is_longer ? "more than " : "",
-            sertap_ms_text(pinfo->pool, shown)));
+        sertap_add_time(tree, hf_3964r_zvz_interval_max, tvb, shown,
+                        wmem_strconcat(pinfo->pool, is_longer ? "more than " : "",
+                                       sertap_ms_text(pinfo->pool, shown), NULL));
     add_generated(tree, hf_3964r_zvz_position, tvb, longest.interval.at);
     if (pref_3964r_zvz_ms > 0)
         show_verdict(
@@ -348,8 +331,7 @@ show_data(tvbuff_t *data, packet_info *pinfo, proto_tree *parent, proto_tree *tr
 
     if (is_good && rk512i_dissect(data, pinfo, parent, &block))
         return;
-    if (tvb_captured_length(data) > 0)
-        proto_tree_add_item(tree, hf_3964r_data, data, 0, -1, ENC_NA);
+    add_bytes(tree, hf_3964r_data, data, 0, tvb_captured_length(data));
 }
 
 static void

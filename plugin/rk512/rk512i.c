@@ -7,6 +7,7 @@
 
 #include <epan/tap.h>
 
+#include "items.h"
 #include "kept.h"
 #include "parts.h"
 #include "protocol/fields.h"
@@ -246,14 +247,6 @@ show_faults(const dissection_t *d)
     }
 }
 
-static void
-say_count(const dissection_t *d, uint8_t kind, unsigned count)
-{
-    const char *unit = bytes_of(kind, 1) == 2 ? "word" : "byte";
-
-    wmem_strbuf_append_printf(d->words, ", %u %s%s", count, unit, plurality(count, "", "s"));
-}
-
 /* Data blocks that are defined, and how many words they have. */
 static void
 check_command(const dissection_t *d, uint8_t block)
@@ -280,22 +273,16 @@ static void
 show_command(const dissection_t *d)
 {
     uint8_t block = compat_get_uint8(d->tvb, 4);
+    unsigned count = tvb_get_ntohs(d->tvb, 6);
+    const char *unit = bytes_of(compat_get_uint8(d->tvb, 3), 1) == 2 ? "word" : "byte";
 
     synax_add_block(d->tree, hf_rk512i_block, d->tvb, 4);
     proto_tree_add_item(d->tree, hf_rk512i_word, d->tvb, 5, 1, ENC_NA);
     proto_tree_add_item(d->tree, hf_rk512i_count, d->tvb, 6, 2, ENC_BIG_ENDIAN);
     proto_tree_add_item(d->tree, hf_rk512i_flag_byte, d->tvb, 8, 1, ENC_NA);
     proto_tree_add_item(d->tree, hf_rk512i_flag, d->tvb, 9, 1, ENC_NA);
-    wmem_strbuf_append_printf(d->words, " DB %u", block);
-    say_count(d, compat_get_uint8(d->tvb, 3), tvb_get_ntohs(d->tvb, 6));
+    wmem_strbuf_append_printf(d->words, " DB %u, %u %s%s", block, count, unit, plurality(count, "", "s"));
     check_command(d, block);
-}
-
-/* The head of the command that a reaction answers. */
-static synax_head_t
-head_of_command(const job_t *job)
-{
-    return synax_head_of(job->info, job->axis, job->ident);
 }
 
 /* Error numbers are Siemens'; SYNAX' table is lost. */
@@ -311,7 +298,7 @@ show_reaction(const dissection_t *d)
                                          error, error != 0 ? ", by Siemens' numbers" : "");
 
     if (job != NULL && job->has_head) {
-        head = head_of_command(job);
+        head = synax_head_of(job->info, job->axis, job->ident);
         wmem_strbuf_append(d->words, ": ");
         synax_recall_head(d->tree, d->pinfo, d->tvb, &head, d->words);
     }
@@ -335,7 +322,7 @@ show_whole(const dissection_t *d, proto_tree *tree, tvbuff_t *tvb)
         if (is_data_block(job->command, job->kind))
             synax_add_block_words(tree, d->pinfo, hf_rk512i_block_word, tvb, job->block, ENC_BIG_ENDIAN);
     } else if (d->is_reaction) {
-        head = head_of_command(job);
+        head = synax_head_of(job->info, job->axis, job->ident);
         synax_add_data(tree, d->pinfo, tvb, 0, ENC_BIG_ENDIAN, &head, d->words);
     } else {
         wmem_strbuf_append(d->words, ": ");
@@ -458,9 +445,8 @@ rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
         show_reaction(&d);
     if (!d.is_cut && !d.is_snapped)
         show_data(&d);
-    else if (tvb_captured_length(tvb) > d.data_at)
-        proto_tree_add_item(d.tree, hf_rk512i_data, tvb, d.data_at, tvb_captured_length(tvb) - d.data_at,
-                            ENC_NA);
+    else
+        add_bytes(d.tree, hf_rk512i_data, tvb, d.data_at, tvb_captured_length(tvb));
     show_faults(&d);
     sis_asked_show(&d.telegram->asked, d.tree, tvb, pinfo, &fields);
     queue_answer(&d);

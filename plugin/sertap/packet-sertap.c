@@ -8,6 +8,7 @@
 
 #include <epan/decode_as.h>
 #include <epan/expert.h>
+#include <epan/proto_data.h>
 #include <epan/tap.h>
 
 #include "sertap/line.h"
@@ -64,11 +65,14 @@ add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_rec
 static void
 add_uncertainty(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, uint32_t uncertainty)
 {
+    nstime_t time = sertap_time(uncertainty);
+
     if (uncertainty == SERTAP_UNCERTAINTY_UNKNOWN)
         proto_tree_add_subtree(tree, tvb, 12, 4, ett_sertap_characters, NULL,
                                "Uncertainty of the times: unknown");
     else
-        sertap_add_ms(tree, hf_sertap_uncertainty, tvb, 12, 4, pinfo->pool, uncertainty);
+        proto_tree_add_time_format_value(tree, hf_sertap_uncertainty, tvb, 12, 4, &time, "%s",
+                                         sertap_ms_text(pinfo->pool, uncertainty));
 }
 
 static void
@@ -225,7 +229,7 @@ add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sert
 
     if (!proto_field_is_referenced(tree, hf_sertap_interval_max))
         return;
-    flag = compat_get_uint8(tvb, record->flags_offset + at);
+    flag = sertap_flags(record, at);
     ti = proto_tree_add_time_format_value(
         tree, hf_sertap_interval_max, tvb, record->times_offset + 4 * at, 4, &longest,
         "%s, before character %u",
@@ -386,7 +390,7 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
         return tvb_captured_length(tvb);
     }
 
-    sertap_record_keep(pinfo, record);
+    p_add_proto_data(pinfo->pool, pinfo, proto_sertap, 0, record); /* for sertap_record() */
     ti = proto_tree_add_item(tree, hf_sertap_count, tvb, 16, 2, ENC_BIG_ENDIAN);
     check_count(tvb, pinfo, ti, record);
     proto_item_append_text(root, ", %s",
@@ -461,7 +465,6 @@ sertap_handoff(void)
 void
 sertap_register(void)
 {
-
     framing_table =
         register_dissector_table("sertap.framing", "Serial framing", proto_sertap, FT_UINT8, BASE_DEC);
     register_decode_as_framing();

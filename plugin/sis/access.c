@@ -4,7 +4,6 @@
 
 #include <epan/to_str.h>
 
-#include "parameters/text.h"
 #include "parameters/values.h"
 #include "parts.h"
 #include "sis/address.h"
@@ -58,14 +57,6 @@ set_value(sis_access_t *access, packet_info *pinfo, tvbuff_t *tvb)
         text != NULL ? sis_text_shortened(pinfo->pool, text, SHOWN_CHARACTERS) : bytes_text(pinfo->pool, tvb);
 }
 
-static const char *
-hex_text(wmem_allocator_t *scope, tvbuff_t *data)
-{
-    unsigned length = tvb_captured_length(data);
-
-    return length > 0 ? bytes_to_str_maxlen(scope, tvb_get_ptr(data, 0, (int)length), length, 0) : "";
-}
-
 /* Of ASCII characters, and never two backslashes in a row: `tshark -T fields` doubles each since
  * Wireshark 4.2, 4.0 and `-z sis,rows` do not, and so a reader needs not know who printed it. */
 static void
@@ -111,6 +102,7 @@ static const char *
 json_text(wmem_allocator_t *scope, const sis_access_t *access)
 {
     wmem_strbuf_t *json = wmem_strbuf_new(scope, "");
+    unsigned length = access->data != NULL ? tvb_captured_length(access->data) : 0;
 
     wmem_strbuf_append_printf(json, "{\"access\":\"%s\"", access->is_write ? "write" : "read");
     if (access->has_master)
@@ -125,7 +117,10 @@ json_text(wmem_allocator_t *scope, const sis_access_t *access)
     if (access->is_raw)
         wmem_strbuf_append(json, ",\"raw\":true");
     if (access->data != NULL)
-        append_text(json, "data", hex_text(scope, access->data));
+        append_text(json, "data",
+                    length > 0
+                        ? bytes_to_str_maxlen(scope, tvb_get_ptr(access->data, 0, (int)length), length, 0)
+                        : "");
     append_text(json, "text", access->text);
     append_text(json, "name", access->known.name);
     append_text(json, "unit", access->known.unit);

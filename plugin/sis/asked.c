@@ -65,8 +65,9 @@ sis_asked_show(const sis_asked_t *asked, proto_tree *tree, tvbuff_t *tvb, packet
                const sis_asked_fields_t *fields)
 {
     add_link(tree, fields->answer_in, tvb, asked->answer_in);
-    if (add_link(tree, fields->request_in, tvb, asked->request_in) != NULL)
-        proto_item_set_generated(sertap_add_ms(tree, fields->time, tvb, 0, 0, pinfo->pool, asked->elapsed));
+    add_link(tree, fields->request_in, tvb, asked->request_in);
+    if (asked->request_in != 0)
+        sertap_add_ms(tree, fields->time, tvb, pinfo->pool, asked->elapsed);
 }
 
 void

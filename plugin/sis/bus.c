@@ -122,12 +122,6 @@ learn(struct sis_told *told, uint8_t address, const sis_request_t *request, uint
     }
 }
 
-static bool
-is_broadcast(sis_address_kind_t kind)
-{
-    return kind == SIS_LEVEL_BROADCAST || kind == SIS_GLOBAL_BROADCAST;
-}
-
 /* Settings through a router are for another line. A slave reacts to 0xFF with the new values already. */
 void
 sis_bus_learn(sis_body_t *body)
@@ -135,7 +129,8 @@ sis_bus_learn(sis_body_t *body)
     const sis_telegram_t *telegram = body->telegram;
     const sis_request_t *first = sis_request_of(body), *request = first;
     const sis_exchange_t *exchange = body->record->exchange;
-    bool is_for_all = is_broadcast(sis_receiver_kind(telegram->receiver));
+    sis_address_kind_t kind = sis_receiver_kind(telegram->receiver);
+    bool is_for_all = kind == SIS_LEVEL_BROADCAST || kind == SIS_GLOBAL_BROADCAST;
     struct sis_told *told;
     uint8_t address;
 

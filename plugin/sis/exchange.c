@@ -392,17 +392,6 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
         sis_make_rare(record, 0)->origin = SIS_OWN_NUMBER;
 }
 
-/* A damaged command was not executed, so its damage has cost nothing. */
-static void
-answer_damaged(sis_record_t *record, sis_bus_t *bus)
-{
-    sis_rare_t *rare = sis_make_rare(record, 0);
-
-    rare->origin = SIS_TO_DAMAGED;
-    rare->damaged_in = bus->damage.command_in;
-    bus->damaged_count--;
-}
-
 void
 sis_exchange_learn(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo,
                    const sis_telegram_t *telegram)
@@ -415,12 +404,15 @@ sis_exchange_learn(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_i
         note_damaged(bus, tvb, pinfo, telegram);
         return;
     }
-    if (!telegram->is_reaction)
+    if (!telegram->is_reaction) {
         record->exchange = begin_exchange(bus, tvb, pinfo, telegram);
-    else if (is_answer_to_damage(bus, tvb, telegram) && has_damaged_head(&bus->damage, tvb, telegram))
-        answer_damaged(record, bus);
-    else
+    } else if (is_answer_to_damage(bus, tvb, telegram) && has_damaged_head(&bus->damage, tvb, telegram)) {
+        sis_make_rare(record, 0)->origin = SIS_TO_DAMAGED;
+        sis_make_rare(record, 0)->damaged_in = bus->damage.command_in;
+        bus->damaged_count--; /* it was not executed, so its damage has cost nothing */
+    } else {
         end_exchange(record, bus, tvb, pinfo, telegram);
+    }
     bus->damage.is_there &= telegram->is_before;
 }
 

@@ -28,16 +28,6 @@ learn_settings(sis_record_t *record, sis_bus_t *bus, packet_info *pinfo, const s
     record->load = times->record != NULL ? sertap_load(times->record) : -1;
 }
 
-/* Of a telegram that the first pass did not see: TCP reassembled its segments differently. */
-static sis_record_t *
-unseen_record(packet_info *pinfo)
-{
-    sis_record_t *record = wmem_new0(pinfo->pool, sis_record_t);
-
-    record->load = -1;
-    return record;
-}
-
 sis_record_t *
 sis_learn_telegram(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
@@ -51,8 +41,11 @@ sis_learn_telegram(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *tele
         learn_settings(record, bus, pinfo, telegram);
     }
     if (record == NULL || record->service != telegram->service ||
-        record->is_reaction != telegram->is_reaction)
-        return unseen_record(pinfo);
+        record->is_reaction != telegram->is_reaction) {
+        /* The first pass did not see it: TCP reassembled its segments differently. */
+        record = wmem_new0(pinfo->pool, sis_record_t);
+        record->load = -1;
+    }
     return record;
 }
 

@@ -76,4 +76,9 @@ sis_packet_t *sis_packet(packet_info *pinfo);
 /* Reads the header of a telegram with all its 8 bytes. */
 sis_telegram_t *sis_telegram_read(tvbuff_t *tvb, packet_info *pinfo);
 
+/* Which fields are whose, where TCP has put several telegrams into a packet: `tshark -T fields` prints all
+ * values of a field together. So each telegram but the first says which fields it has, and how many values of
+ * each: the rest is of the first. Call it last. */
+void sis_tell_packed(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree);
+
 #endif

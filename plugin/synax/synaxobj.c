@@ -118,17 +118,11 @@ show_link(const dissection_t *d, const link_t *link)
     sis_asked_fields_t fields = {hf_synax_request_in, hf_synax_answer_in, hf_synax_answer_time};
 
     sis_asked_show(&link->asked, d->tree, d->tvb, d->pinfo, &fields);
-    if (link->asked.answer_in == 0 &&
-        add_link(d->tree, hf_synax_next_request_in, d->tvb, link->next_in) != NULL)
-        expert_add_info_format(d->pinfo, d->root, &ei_synax_unanswered,
-                               "No answer was read before the next write request");
-}
-
-static void
-add_raw(const dissection_t *d, int hf, unsigned offset, unsigned length)
-{
-    if (length > 0)
-        proto_tree_add_item(d->tree, hf, d->tvb, offset, length, ENC_NA);
+    if (link->asked.answer_in != 0 || link->next_in == 0)
+        return;
+    add_generated(d->tree, hf_synax_next_request_in, d->tvb, link->next_in);
+    expert_add_info_format(d->pinfo, d->root, &ei_synax_unanswered,
+                           "No answer was read before the next write request");
 }
 
 static bool
@@ -146,7 +140,7 @@ dissect_no_telegram(const dissection_t *d)
 {
     bool is_empty = is_zero(d);
 
-    add_raw(d, hf_synaxobj_raw, d->offset, d->length);
+    add_bytes(d->tree, hf_synaxobj_raw, d->tvb, d->offset, d->offset + d->length);
     col_append_str(d->pinfo->cinfo, COL_INFO, is_empty ? "  empty" : "  no telegram");
     if (!is_empty)
         expert_add_info_format(d->pinfo, d->root, &ei_synax_note,
@@ -164,7 +158,7 @@ dissect_telegram(const dissection_t *d)
         dissect_no_telegram(d);
         return;
     }
-    add_raw(d, hf_synaxobj_padding, d->offset + extent, d->length - extent);
+    add_bytes(d->tree, hf_synaxobj_padding, d->tvb, d->offset + extent, d->offset + d->length);
     col_append_str(d->pinfo->cinfo, COL_INFO, "  ");
     col_set_fence(d->pinfo->cinfo, COL_INFO);
     call_dissector(sis, tvb_new_subset_length(d->tvb, d->offset, extent), d->pinfo, d->parent);
@@ -209,7 +203,7 @@ dissect_word(const dissection_t *d, const object_t *object)
     uint16_t word;
 
     if (d->length < WORD_SIZE) {
-        add_raw(d, hf_synaxobj_raw, d->offset, d->length);
+        add_bytes(d->tree, hf_synaxobj_raw, d->tvb, d->offset, d->offset + d->length);
         expert_add_info_format(d->pinfo, d->root, &ei_synax_short, "The object has 2 bytes, not 1");
         return;
     }
@@ -220,14 +214,14 @@ dissect_word(const dissection_t *d, const object_t *object)
                             d->offset, WORD_SIZE, ENC_BIG_ENDIAN);
     add_open_bits(d, item, word & object->open_bits);
     report_fault(d, item, word);
-    add_raw(d, hf_synaxobj_raw, d->offset + WORD_SIZE, d->length - WORD_SIZE);
+    add_bytes(d->tree, hf_synaxobj_raw, d->tvb, d->offset + WORD_SIZE, d->offset + d->length);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "  0x%04x", word);
 }
 
 static void
 dissect_unknown(const dissection_t *d)
 {
-    add_raw(d, hf_synaxobj_raw, d->offset, d->length);
+    add_bytes(d->tree, hf_synaxobj_raw, d->tvb, d->offset, d->offset + d->length);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "  %u byte%s", d->length, plurality(d->length, "", "s"));
     expert_add_info_format(d->pinfo, d->root, &ei_synax_note,
                            "Control or status word of the multiplex channel: which bits are Index_out_c, "
@@ -235,18 +229,12 @@ dissect_unknown(const dissection_t *d)
 }
 
 /* A write request and a read answer contain the object, the others do not. */
-static bool
-has_content(const synaxobj_access_t *access)
-{
-    return access->operation == SYNAXOBJ_WRITE_REQUEST || access->operation == SYNAXOBJ_READ_ANSWER;
-}
-
 static void
 dissect_content(const dissection_t *d)
 {
     const object_t *object = find_object(d->access->number);
 
-    if (!has_content(d->access))
+    if (d->access->operation != SYNAXOBJ_WRITE_REQUEST && d->access->operation != SYNAXOBJ_READ_ANSWER)
         return;
     if (object->size > 0 && d->length > object->size)
         expert_add_info_format(d->pinfo, d->root, &ei_synax_unexpected, "More bytes than the object has");

@@ -109,13 +109,6 @@ show_link(const dissection_t *d, const link_t *link)
 }
 
 static void
-add_rest(const dissection_t *d, int hf, unsigned offset)
-{
-    if (offset < d->end)
-        proto_tree_add_item(d->tree, hf, d->tvb, offset, d->end - offset, ENC_NA);
-}
-
-static void
 say_short(const dissection_t *d, unsigned needed)
 {
     expert_add_info_format(d->pinfo, d->root, &ei_synax_short, "The message has at least %u bytes", needed);
@@ -163,7 +156,7 @@ dissect_length(const dissection_t *d, const link_t *request)
     if (length > there)
         expert_add_info_format(d->pinfo, item, &ei_synax_short, "The data are cut");
     else
-        add_rest(d, hf_synaxpcp_padding, DATA_AT + length);
+        add_bytes(d->tree, hf_synaxpcp_padding, d->tvb, DATA_AT + length, d->end);
     dissect_data(d, MIN(length, there), request);
 }
 
@@ -175,7 +168,7 @@ dissect_request(const dissection_t *d)
     const link_t *link;
 
     if (d->end < needed) {
-        add_rest(d, hf_synaxpcp_raw, REFERENCE_END);
+        add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, REFERENCE_END, d->end);
         say_short(d, needed);
         return;
     }
@@ -187,7 +180,7 @@ dissect_request(const dissection_t *d)
         dissect_length(d, link->request);
         return;
     }
-    add_rest(d, hf_synaxpcp_padding, SUBINDEX_AT + 1);
+    add_bytes(d->tree, hf_synaxpcp_padding, d->tvb, SUBINDEX_AT + 1, d->end);
     dissect_data(d, 0, link->request);
 }
 
@@ -209,7 +202,7 @@ dissect_error(const dissection_t *d)
     proto_tree_add_item(tree, hf_synaxpcp_error_additional, d->tvb, RESULT_END, 2, ENC_BIG_ENDIAN);
     expert_add_info_format(d->pinfo, item, &ei_synax_error, "%s", words);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "  %s", words);
-    add_rest(d, hf_synaxpcp_raw, RESULT_END + 2);
+    add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, RESULT_END + 2, d->end);
 }
 
 /* Result 0, and the data read. */
@@ -218,10 +211,10 @@ dissect_result(const dissection_t *d, const link_t *request)
 {
     proto_tree_add_item(d->tree, hf_synaxpcp_result, d->tvb, REFERENCE_END, 2, ENC_BIG_ENDIAN);
     if (d->access.is_write) {
-        add_rest(d, hf_synaxpcp_raw, RESULT_END);
+        add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, RESULT_END, d->end);
         dissect_data(d, 0, request);
     } else if (d->end < DATA_AT) {
-        add_rest(d, hf_synaxpcp_raw, RESULT_END);
+        add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, RESULT_END, d->end);
         say_short(d, DATA_AT);
     } else {
         proto_tree_add_item(d->tree, hf_synaxpcp_padding, d->tvb, RESULT_END, 1, ENC_NA);
@@ -245,7 +238,7 @@ dissect_answer(const dissection_t *d)
     } else if (d->end >= RESULT_END + 2) {
         dissect_error(d);
     } else {
-        add_rest(d, hf_synaxpcp_raw, REFERENCE_END);
+        add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, REFERENCE_END, d->end);
         say_short(d, d->end < RESULT_END ? RESULT_END : RESULT_END + 2);
     }
 }
@@ -253,7 +246,7 @@ dissect_answer(const dissection_t *d)
 static void
 dissect_other(const dissection_t *d, uint16_t code)
 {
-    add_rest(d, hf_synaxpcp_raw, REFERENCE_END);
+    add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, REFERENCE_END, d->end);
     if (try_val_to_str(code, sis_synaxpcp_services) == NULL)
         expert_add_info_format(
             d->pinfo, d->root, &ei_synax_note, "Service code 0x%04x is not defined%s", code,
@@ -275,7 +268,7 @@ dissect_message(dissection_t *d)
     proto_item_append_text(d->root, ", %s", name);
     col_append_str(d->pinfo->cinfo, COL_INFO, name);
     if (d->end < REFERENCE_END) {
-        add_rest(d, hf_synaxpcp_raw, HEAD_SIZE);
+        add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, HEAD_SIZE, d->end);
         say_short(d, REFERENCE_END);
         return;
     }
@@ -302,10 +295,9 @@ dissect_head(dissection_t *d)
     d->end = MIN(end, there);
     if (end > there)
         expert_add_info_format(d->pinfo, item, &ei_synax_short, "Fewer words than counted");
-    if (end < there) {
+    if (end < there)
         expert_add_info_format(d->pinfo, item, &ei_synax_unexpected, "Bytes after the last word");
-        proto_tree_add_item(d->tree, hf_synaxpcp_raw, d->tvb, end, there - end, ENC_NA);
-    }
+    add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, end, there);
     dissect_message(d);
 }
 
@@ -314,8 +306,7 @@ static void
 dissect_stump(const dissection_t *d, unsigned there)
 {
     col_append_str(d->pinfo->cinfo, COL_INFO, "Cut message");
-    if (there > 0)
-        proto_tree_add_item(d->tree, hf_synaxpcp_raw, d->tvb, 0, there, ENC_NA);
+    add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, 0, there);
     if (there == tvb_reported_length(d->tvb))
         expert_add_info_format(d->pinfo, d->root, &ei_synax_short,
                                "Service code and word count have 4 bytes");
