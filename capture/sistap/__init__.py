@@ -30,14 +30,14 @@ may use, never a room of a storey above; tests/test_rooms.py watches:
     commands/doctor       analyser, capture, explain  `sistap doctor`
     commands/extcap       all above                   Wireshark's interfaces
     commands/install      all above                   `sistap install` and `uninstall`
-    commands/imports        all above              `sistap import`
+    commands/imports      all above                   `sistap import`
     commands/report       all above                   `sistap report`
     commands/annotate     all above                   `sistap annotate` and `log`
     commands/parameters   all above                   `sistap parameters`
     commands/compare      all above                   `sistap compare`
     commands/tables       all above                   `sistap tables`
     commands/web          everything                  sistap in the page of a browser
-    library                 everything             sistap for other programs: `import sistap`
+    library               everything                  sistap for other programs: `import sistap`
     cli, __main__         everything                  the command `sistap`
 
 A capture needs the first six rooms alone: other readers, and the text of a live capture, are imported where they are
