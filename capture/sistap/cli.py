@@ -189,8 +189,7 @@ def _run(arguments: Sequence[str], stop: Stop) -> int:
 def _refused(refusal: Refusal) -> int:
     """Say why a command ends; return its exit code."""
     console = Console()
-    if console.shows_progress:
-        console.progress("")  # that of the command may still be there
+    console.progressing("")  # that of the command may still be there
     console.say(str(refusal))
     return refusal.code
 

@@ -68,13 +68,12 @@ def run(args: argparse.Namespace) -> int:
     """Write the comparison; return the exit code."""
     console = Console()
     good, bad = (check_captures(side, console.say, args.output) for side in _sides(args))
-    progress = console.progress if console.shows_progress else _silent
+    progress = console.progressing
     with Tshark() as tshark, opened(args.output, [*good, *bad], force=args.force) as file:
         before = read(tshark, good, console.say, progress, Engine(thresholds=args.thresholds))
         engine = Engine(before.engine, args.thresholds)
         comparison = compare(before, read(tshark, bad, console.say, progress, engine))
-        if console.shows_progress:
-            console.progress("")
+        progress("")
         file.write(FORMATS[args.format](comparison).encode())
     return DONE
 
@@ -87,7 +86,3 @@ def _sides(args: argparse.Namespace) -> tuple[list[Path], list[Path]]:
     else:
         raise Refusal("name two captures, good and bad; for several files of a side use --good and --bad")
     return sides
-
-
-def _silent(text: str) -> None:
-    """Show no progress."""

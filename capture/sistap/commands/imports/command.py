@@ -164,7 +164,7 @@ def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Sto
     }
     conversion = Conversion(source, PcapngWriter(output, interfaces, counters), counters, args.file.name, args.framing)
     try:
-        conversion.run(lambda: stop.asked, console.progress if console.shows_progress else _silent)
+        conversion.run(lambda: stop.asked, console.progressing)
     except TsharkError:
         if not stop.asked:  # else the same Ctrl-C has ended it
             raise
@@ -196,7 +196,3 @@ def _precision(uncertainties_ns: Counter[int]) -> str:
 
 def _milliseconds(time_ns: int) -> str:
     return f"{time_ns / 1e6:.2g} ms" if time_ns >= 1000 else f"{time_ns} ns"
-
-
-def _silent(text: str) -> None:
-    """Show no progress."""

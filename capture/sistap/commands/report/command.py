@@ -184,7 +184,7 @@ class _Noting:
 
 
 def _gather(args: argparse.Namespace, console: Console, left_out: _Noting, *, has_windows: bool) -> Report:
-    progress = console.progress if console.shows_progress else _silent
+    progress = console.progressing
     limits_ms = {name: value for name, value in (("tza", args.tza), ("trs", args.trs)) if value}
     captures, since_s = in_order(args.captures), -math.inf
     if args.since:
@@ -197,8 +197,7 @@ def _gather(args: argparse.Namespace, console: Console, left_out: _Noting, *, ha
         known = limits_ms, since_s, args.thresholds, before
         report = gather(tshark, files, args.window, progress, *known, has_windows=has_windows)
     report.name, report.files, report.left_out = visible(name), len(captures), left_out.noted
-    if console.shows_progress:
-        console.progress("")
+    progress("")
     if report.warning:
         console.say(f"{captures[0]}: the report is of what comes before the damage: {report.warning}")
     return report
@@ -210,10 +209,6 @@ def _before(args: argparse.Namespace, tshark: Tshark, left_out: _Noting) -> Engi
         return None
     with closing(portions.in_turn(in_order(args.baseline), portions.TOGETHER, left_out)) as files:
         return learned(tshark, files, args.thresholds)
-
-
-def _silent(text: str) -> None:
-    """Show no progress."""
 
 
 def _write(args: argparse.Namespace, name: str, console: Console, left_out: _Noting) -> None:

@@ -17,6 +17,7 @@ import os
 import select
 import sys
 import weakref
+from collections.abc import Callable
 from typing import Protocol
 
 from sistap.tap.terminal.rights import as_typed
@@ -125,6 +126,11 @@ class Console:
     def shows_progress(self) -> bool:
         """Tell whether it is a terminal that can overwrite a line."""
         return os.isatty(self._descriptor) and os.environ.get("TERM") != "dumb"
+
+    @property
+    def progressing(self) -> Callable[[str], None]:
+        """Return what shows progress; where it cannot be shown, what does nothing."""
+        return self.progress if self.shows_progress else lambda _: None
 
     def say(self, text: str) -> None:
         """Print one line."""
