@@ -87,6 +87,10 @@ can_be_kept(char **arguments)
             strcmp(*argument, "-v") == 0)
             return false;
     }
+    struct stat output;
+    if (fstat(1, &output) != 0 ||
+        S_ISCHR(output.st_mode)) /* /dev/null: what it needs is measured, see Tshark.usage */
+        return false;
     static const int limits[] = {RLIMIT_AS, RLIMIT_CPU, RLIMIT_FSIZE, RLIMIT_DATA};
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         struct rlimit limit;
