@@ -308,6 +308,7 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("", writes("P-0-0123", (PLC, 12), (PLC, 12))),
     ("drift", told("S-0-0051", RISES, every_s=30, unit="mm")),  # a position
     ("master", turn(9, 200)),  # a control that takes turns
+    ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
     ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
     ("error", refuse(0x10)),  # what is asked for is not known
     ("changed", reads(*[access(5, "P-0-0222", one) for one in [1000] * 20 + [1010] * 5 + [1000] * 5], every_s=10)),
