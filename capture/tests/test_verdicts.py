@@ -331,13 +331,18 @@ def test_a_visitor_with_a_token_is_told() -> None:
     ]
 
 
-def test_what_two_visitors_write_at_once_is_told_apart() -> None:
+@pytest.mark.parametrize(
+    ("masters", "said"),
+    [
+        ((103, 104), ["station 3 P-0-0123 12 rpm by new master 103", "station 4 P-0-0123 12 rpm by new master 104"]),
+        ((103, 103), ["stations 3, 4 P-0-0123 12 rpm by new master 103"]),
+    ],
+)
+def test_what_visitors_write_at_once_is_told_by_its_author(masters: tuple[int, int], said: Sequence[str]) -> None:
     machine = Machine()
-    then(run(150), *(do("write", station, "P-0-0123", 12, master=100 + station) for station in (3, 4)))(machine)
-    assert [one.detail.partition(";")[0] for one in machine.told().of("write")] == [
-        "12 rpm by new master 103",
-        "12 rpm by new master 104",
-    ]
+    stations = zip((3, 4), masters, strict=True)
+    then(run(150), *(do("write", station, "P-0-0123", 12, master=master) for station, master in stations))(machine)
+    assert [f"{one.who} {one.detail.partition(';')[0]}" for one in machine.told().of("write")] == said
 
 
 @pytest.mark.parametrize(("since_s", "count"), [(0, 1), (1200, 1), (2400, 0)])
@@ -373,8 +378,15 @@ def test_what_begins_is_told_at_once() -> None:
         live.add(packet(BEGIN_S + n, telegram(5, PLC, is_reaction=True), accesses=[one])) for n, one in enumerate(said)
     ]
     assert [[hit.kind for hit in hits] for hits in found] == [[], ["fault"], [], ["fault"]]
-    visitor = telegram(LAPTOP, 3)
-    assert [hit.detail for hit in live.add(packet(BEGIN_S + 10, visitor))] == []  # whoever asks at first is usual
+
+
+def test_a_visitor_is_told_at_once_but_not_his_tokens() -> None:
+    live = Live()
+    for second in range(250):
+        live.add(packet(BEGIN_S + second, telegram(PLC, 3)))
+    assert live.add(packet(BEGIN_S + 250, telegram(LAPTOP, PLC, service=0x0F))) == []
+    (hit,) = live.add(packet(BEGIN_S + 251, telegram(LAPTOP, 3)))
+    assert (hit.kind, hit.station, hit.detail) == ("master", 3, "asked by new master 127")
 
 
 # -- While it happens ------------------------------------------------------------------------------------------------
