@@ -40,6 +40,7 @@ from test_kinds import (
     phases,
     reaction,
     reads,
+    refused,
     run,
     stamped,
     talk,
@@ -52,10 +53,11 @@ from sistap.dissected.episodes.baseline import unlike
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.levels import Levels, goes_on
+from sistap.dissected.episodes.lines import lines
 from sistap.dissected.episodes.live import Live
 from sistap.dissected.episodes.machine import Machine as Drives
 from sistap.dissected.episodes.readings import Reading, reading
-from sistap.dissected.episodes.rules import THRESHOLDS, Severity
+from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Subject
 from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.trend import Slots, quartiles, trend
 from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
@@ -354,6 +356,26 @@ def test_a_drift_is_one_of_the_time_that_is_told(since_s: float, count: int) -> 
     assert len(machine.told().of("drift")) == count
 
 
+def test_four_warnings_are_told_one_by_one_and_four_faults_as_one() -> None:
+    def drives(kind: str) -> str:
+        found = [
+            Episode.of(Hit(kind, n, 100.0 * n, 100.0 * n, 3, detail=f"number {n}", topic="F2028")) for n in range(1, 5)
+        ]
+        return lines(found, 0, 1000)[Subject.DRIVES].text
+
+    assert drives("beyond").count("station 3 number ") == 4
+    assert drives("fault").startswith("Drives: Fault F2028 4 times, station 3 (")
+
+
+def test_what_a_good_capture_refused_too_is_no_fault() -> None:
+    good = Machine()
+    refused(is_known=True)(good)
+    assert good.told().kinds == ["error"]
+    machine = Machine(before=good.engine)
+    refused(is_known=True)(machine)
+    assert machine.told().kinds == ["never"]
+
+
 def test_many_stops_are_one_phrase() -> None:
     machine = Machine()
     for _ in range(4):
@@ -398,6 +420,13 @@ def test_a_silence_of_three_seconds_is_one() -> None:
         for second in range(60):
             silence.add(packet(second / 2, telegram(PLC, 3)))
         assert len([*silence.add(packet(29.5 + silence_s, telegram(PLC, 3)))]) == count
+
+
+def test_a_silence_under_way_is_one_from_three_seconds_on() -> None:
+    silence = BusSilence()
+    for second in range(60):
+        silence.add(packet(second / 2, telegram(PLC, 3)))
+    assert silence.under_way(32.49) == () and len([*silence.under_way(32.5)]) == 1
 
 
 def test_a_silence_that_lasts_is_told_once() -> None:
@@ -650,8 +679,13 @@ def test_what_follows_a_command_is_compared_beside_it() -> None:
     machines = Machine(), Machine()
     for machine, rpm in zip(machines, (1000, 900), strict=True):
         then(command(1000), turns(rpm, 100))(machine)
-    (hit,) = unlike(*(machine.engine._buses[""].values for machine in machines))
+    sides = [machine.engine._buses[""].values for machine in machines]
+    (hit,) = unlike(*sides)
     assert (hit.detail, hit.severity) == ("-100 rpm beside S-0-0036, 0 in the good capture", NOTE)
+    for one in (followed for side in sides for _, followed in side.followed()):
+        was, one.is_written = one.is_written, True  # what somebody writes is as it was told
+        assert [*unlike(*sides)] == ([] if not was else [hit])
+        one.is_written = was
 
 
 # -- An episode ------------------------------------------------------------------------------------------------------
