@@ -216,6 +216,11 @@ local function add_value(tree, which, tvb, offset, length, value, text)
   return tree and tree:add(which, tvb(offset, length), value, label[which] .. ": " .. text)
 end
 
+-- The bytes up to `stop`, if there are any.
+local function add_bytes(tree, which, tvb, offset, stop)
+  if stop > offset then add(tree, which, tvb, offset, stop - offset) end
+end
+
 -- A text line without a field.
 local function add_subtree(tree, tvb, offset, length, text)
   return tree and tree:add(tvb(offset, length), text)
@@ -227,6 +232,11 @@ end
 
 local function set_generated(item)
   return item and item:set_generated()
+end
+
+-- A number that stands for no bytes: what was found out about a packet. Without a value, nothing.
+local function add_generated(tree, which, tvb, value)
+  return value and set_generated(add(tree, which, tvb, 0, 0, value))
 end
 
 -- Counts side effects of dissecting: expert items, and data kept for later telegrams. A telegram without side effects
@@ -712,10 +722,12 @@ N.attribute_formats = {
 K.SERTAP_FRAME = 0
 K.SERTAP_OTHER = 1
 K.SERTAP_EVENT = 2
+K.SERTAP_BEFORE = 3
 N.sertap_types = {
   [K.SERTAP_FRAME] = "Frame",
   [K.SERTAP_OTHER] = "Other characters",
   [K.SERTAP_EVENT] = "Event",
+  [K.SERTAP_BEFORE] = "Frame from before this file",
 }
 
 -- Lines of a tap.
@@ -754,7 +766,6 @@ K.SERTAP_CAPTURE_STARTED = 1
 K.SERTAP_CHARACTERS_LOST = 3
 K.SERTAP_ADAPTER_LOST = 4
 K.SERTAP_LIMITS_TOLD = 6
-K.SERTAP_TOLD_BEFORE = 7
 N.sertap_events = {
   [0] = "None",
   [K.SERTAP_CAPTURE_STARTED] = "Capture started",
@@ -763,7 +774,7 @@ N.sertap_events = {
   [K.SERTAP_ADAPTER_LOST] = "Adapter lost",
   [5] = "Marker",
   [K.SERTAP_LIMITS_TOLD] = "Limits told by the user",
-  [K.SERTAP_TOLD_BEFORE] = "Told before",
+  [7] = "Told before",
 }
 
 -- Wireshark's states of a checksum.
@@ -1715,7 +1726,7 @@ field("sertap.version", "Version", ftypes.UINT8, base.DEC, nil, 0, "Version of t
 field("sertap.header_length", "Header length", ftypes.UINT8, base.DEC, nil, 0,
   "Bytes of the record before the characters")
 field("sertap.type", "Type", ftypes.UINT8, base.DEC, N.sertap_types, 0,
-  "A frame, characters that belong to no frame, or an event of the tap")
+  "A frame, characters that belong to no frame, an event of the tap, or a frame from before this file")
 field("sertap.line", "Line", ftypes.UINT8, base.DEC, N.sertap_lines, 0,
   "The shared bus, or one direction of a full-duplex line")
 field("sertap.baud", "Baud rate", ftypes.UINT32, base.DEC, nil, 0,
@@ -1763,6 +1774,7 @@ expert_field("sertap.error.break.expert", "PROTOCOL", "WARN", "Break on the line
 expert_field("sertap.error.lost.expert", "SEQUENCE", "WARN", "Characters were lost before the tap could read them")
 expert_field("sertap.error.unlocated.expert", "CHECKSUM", "WARN",
   "A line error, the adapter does not say at which character")
+expert_field("sertap.before", "SEQUENCE", "CHAT", "From before this file: learned from, not counted, not judged")
 expert_field("sertap.event.expert", "SEQUENCE", "WARN", "The capture has a gap")
 
 -- sis
@@ -1819,7 +1831,6 @@ field("sis.access", "Access", ftypes.STRING, base.NONE, nil, 0,
 field("sis.packed", "Fields of this telegram", ftypes.STRING, base.NONE, nil, 0,
   "The fields of a telegram that is not the first of its packet, with the number of values of each: "
     .. "for programs")
-field("sis.told_before", "Told before", ftypes.STRING, base.NONE, nil, 0, "Heard on the bus before this file began")
 field("sis.text", "Text", ftypes.STRING, base.NONE, nil, 0, "Useful data of a product group that are plain ASCII")
 field("sis.element_length", "Length", ftypes.UINT8, base.DEC, nil, 0, "Service and body of this element")
 field("sis.stream", "Stream", ftypes.UINT32, base.DEC, nil, 0, "One number for each pair of stations")
@@ -2347,14 +2358,6 @@ do
   function T.ms_text(ns)
     return T.decimal_text(ns, 1e3, 3) .. " ms"
   end
-
-  function T.exact_ms_text(ns)
-    return T.decimal_text(ns, 1, 6) .. " ms"
-  end
-
-  function T.s_text(ns)
-    return T.decimal_text(ns, 1e6, 3) .. " s"
-  end
 end
 
 --- sertap/line: what is known of a line, record after record, in the first pass
@@ -2374,28 +2377,6 @@ do
   -- the first busy time in the window then.
   local function new_window(has_restarted)
     return {last = 0, head = 1, begins = {}, ends = {}, totals = {[0] = 0}, heads = {}, has_restarted = has_restarted}
-  end
-
-  local function find_line()
-    local key = S.line_key(S.place())
-    local line = lines[key]
-
-    if not line then
-      line = {lost_in = 0, unframed_in = 0, begun_in = 0, window = new_window(false)}
-      lines[key] = line
-    end
-    return line
-  end
-
-  -- Packets that may hide a frame: the last loss of characters, the last that may have been a frame, and the last event
-  -- that says that a capture begins; 0 if there is none.
-  function T.disturbance(record)
-    return record.known
-  end
-
-  -- First pass: the limits that the user told of this record's interface: {told_in: the event, text}; nil: none.
-  function T.limits(record)
-    return record.known.limits
   end
 
   local function note_disturbance(line, record)
@@ -2443,13 +2424,6 @@ do
     if elapsed >= K.LONGEST_INTERVAL then silence_of[packet.number] = elapsed end
   end
 
-  local function note_last(line, record)
-    local is_known = record.timed == record.count and not record.is_longer
-
-    line.last_time = is_known and packet.time + record.duration or nil
-    line.last_line = record.line
-  end
-
   -- ns before the first character of a record, since the one before it on the line, and whether it was longer.
   function T.silence(record)
     if not is_saturated(record) then return T.interval_of(record, 0), false end
@@ -2458,15 +2432,24 @@ do
     return silence or T.interval_of(record, 0), not silence
   end
 
+  -- First pass: takes a record into account. record.known is its line: the packets that may hide a frame (lost_in:
+  -- the last loss of characters, unframed_in: the last that may have been a frame, begun_in: the last event that says
+  -- that a capture begins; 0 if there is none), and the limits that the user told of it: {told_in: the event, text};
+  -- nil: none.
   function T.line_note(record)
-    local line, number = find_line(), packet.number
+    local key, number = S.line_key(S.place()), packet.number
+    local line = lines[key] or {lost_in = 0, unframed_in = 0, begun_in = 0, window = new_window(false)}
 
-    record.known = line
+    lines[key], record.known = line, line
+    if record.type == K.SERTAP_BEFORE then return end
     if record.flags ~= 0 or record.type ~= K.SERTAP_FRAME then note_disturbance(line, record) end
     if record.type ~= K.SERTAP_EVENT then note_busy(line, record) end
     if record.type ~= K.SERTAP_EVENT and record.count > 0 then
       if record.timed > 0 then note_silence(line, record) end
-      note_last(line, record)
+      local is_known = record.timed == record.count and not record.is_longer
+
+      line.last_time = is_known and packet.time + record.duration or nil
+      line.last_line = record.line
     end
     if record.type == K.SERTAP_EVENT and record.event == K.SERTAP_LIMITS_TOLD and record.values == record.declared then
       -- Of a text that is cut, the beginning of a number is another number.
@@ -2535,8 +2518,6 @@ do
   }
 
   local framing_table = DissectorTable.new("sertap.framing", "Serial framing", ftypes.UINT8, base.DEC, sertap)
-  local told_table = DissectorTable.new("sertap.told", "What was told before, by framing", ftypes.UINT8, base.DEC,
-    sertap)
   local handle -- of this dissector, once there is one
 
   -- How long a packet is, or the payload of a record, with what the capture has cut. For Lua, a part of a packet ends
@@ -2912,33 +2893,16 @@ do
     return REPLACEMENT, rest
   end
 
-  local function format_beyond_ascii(lead, rest)
-    local shown, others = beyond_ascii(lead, rest)
-
-    return shown .. rep(REPLACEMENT, #others)
-  end
-
   -- As tvb_format_text() does it: in quotes, it would look like a C string.
   local function format_text(text)
     text = string.gsub(text, "%c", function(c)
       return escapes[c] or strformat("\\%03o", byte(c))
     end)
-    return (string.gsub(text, "([\128-\255])([\128-\191]*)", format_beyond_ascii))
-  end
+    return (string.gsub(text, "([\128-\255])([\128-\191]*)", function(lead, rest)
+      local shown, others = beyond_ascii(lead, rest)
 
-  -- The facts, a line each, for the dissector of what travels on the line. Half a fact would be another one.
-  local function hand_over_told(tvb, pinfo, root, record)
-    local offset, count = record.data_offset, record.values
-    local text = sub(record.bytes, offset + 1, offset + count)
-
-    if count < record.declared then text = match(text, "^.*\n") or "" end
-    if text ~= "" then
-      packet.record = record
-      local told = told_table:get_dissector(record.framing) -- try() would show others as data, the plugin does not
-
-      if told then told:call(tvb(offset, #text):tvb(), pinfo, root) end
-      packet.record = nil
-    end
+      return shown .. rep(REPLACEMENT, #others)
+    end))
   end
 
   local function dissect_event(tvb, pinfo, tree, root, record)
@@ -2952,7 +2916,6 @@ do
       add_expert(item, ET.event_expert, name)
     end
     write_columns(pinfo, text)
-    if record.event == K.SERTAP_TOLD_BEFORE then hand_over_told(tvb, pinfo, root, record) end
   end
 
   -- Whether these characters are readable text.
@@ -2993,15 +2956,24 @@ do
     framing_table:try(record.framing, characters, pinfo, parent)
   end
 
+  -- What travels on the line is only learned from.
+  local function dissect_before(tvb, pinfo, parent, root, record)
+    add_expert(root, ET.before)
+    dissect_frame(tvb, pinfo, parent, record)
+    pinfo.cols.info:prepend("Before this file: ")
+  end
+
   local function dissect_characters(tvb, pinfo, parent, tree, root, record)
     if tree and record.timed > 0 then add_characters(tree, tvb, record) end
+    packet.record = record
     if record.type == K.SERTAP_FRAME then
-      packet.record = record
       dissect_frame(tvb, pinfo, parent, record)
-      packet.record = nil
+    elseif record.type == K.SERTAP_BEFORE then
+      dissect_before(tvb, pinfo, parent, root, record)
     else
       dissect_other(tvb, pinfo, tree, record)
     end
+    packet.record = nil
     if record.flags ~= 0 then report_errors(pinfo, root, record) end -- after the info column has its text
   end
 
@@ -3102,10 +3074,6 @@ do
 
   function S.sender_kind(sender)
     return sender_kinds[P.edition][sender]
-  end
-
-  function S.kind_text(kind)
-    return N.address_kinds[kind]
   end
 
   -- Whether commands to this (last) address are answered at all: those to groups and broadcasts are not.
@@ -3318,7 +3286,7 @@ do
     local sender = body.telegram.sender
     local kind = S.sender_kind(sender)
     local item = body.tree and add_value(body.tree, F.sender, body.tvb, 6, 1, sender,
-      strformat("%d (%s)", sender, S.kind_text(kind)))
+      strformat("%d (%s)", sender, N.address_kinds[kind]))
 
     if kind == K.SERVICE_MASTER then
       mark(body, item, E.sender_service_master, "service address 127")
@@ -3346,7 +3314,7 @@ do
     local item
 
     if body.tree then
-      local text = strformat("%d (%s)", receiver, S.kind_text(kind))
+      local text = strformat("%d (%s)", receiver, N.address_kinds[kind])
 
       if which == F.subaddress then
         item = add(body.tree, which, body.tvb, offset, 1, receiver,
@@ -3377,10 +3345,10 @@ do
     if body.tree then
       local ends = body.ends
 
-      set_generated(add(body.tree, F.talker, body.tvb, 0, 0, ends.talker))
-      set_generated(add(body.tree, F.listener, body.tvb, 0, 0, ends.listener))
-      set_generated(add(body.tree, F.station, body.tvb, 0, 0, ends.talker)):set_hidden()
-      set_generated(add(body.tree, F.station, body.tvb, 0, 0, ends.listener)):set_hidden()
+      add_generated(body.tree, F.talker, body.tvb, ends.talker)
+      add_generated(body.tree, F.listener, body.tvb, ends.listener)
+      add_generated(body.tree, F.station, body.tvb, ends.talker):set_hidden()
+      add_generated(body.tree, F.station, body.tvb, ends.listener):set_hidden()
     end
   end
 
@@ -3467,12 +3435,8 @@ do
     if telegram.is_good then S.exchange_show(record, telegram, body) end
     local words = dissect_body(body, record)
     if record.exchange and not telegram.is_reaction then S.learn_request(record, telegram, body.request) end
-    S.timing_dissect(telegram, record, body)
+    if not telegram.is_before then S.timing_dissect(telegram, record, body) end
     return words
-  end
-
-  local function dissect_trailer(body)
-    if body.end_ < #body.bytes then add(body.tree, F.raw, body.tvb, body.end_, #body.bytes - body.end_) end
   end
 
   -- "3" or, through routers, "3/2/8".
@@ -3545,6 +3509,7 @@ do
     telegram.bytes = bytes
     telegram.declared = declared
     telegram.sum = sum -- nil: not all of it is there
+    telegram.is_before = packet.record ~= nil and packet.record.type == K.SERTAP_BEFORE
     telegram.is_good = is_good
     telegram.number = is_good and telegram.has_number and byte(bytes, body_offset) or 0
     telegram.length = declared ~= 0 and min(body.there, declared) or body.there -- without what follows it
@@ -3600,8 +3565,8 @@ do
     S.set_addresses(ends.talker, ends.listener)
     dissect_header(body)
     local words = dissect_useful_data(body, record)
-    dissect_trailer(body)
-    if S.is_counting then S.note_telegram(body, record) end
+    add_bytes(body.tree, F.raw, body.tvb, body.end_, #body.bytes)
+    if S.is_counting and not telegram.is_before then S.note_telegram(body, record) end
 
     if body.tree then append_text(body.root, strformat(", %s, %s", ends.title, S.shortened(words, HEAD_LENGTH))) end
     return ends.heading .. body.marks .. "  " .. words
@@ -3612,7 +3577,7 @@ do
     local there = body.there
 
     dissect_start(body)
-    if body.end_ > 1 then add(body.tree, F.raw, body.tvb, 1, body.end_ - 1) end
+    add_bytes(body.tree, F.raw, body.tvb, 1, body.end_)
     add_expert(body.root, E.length_short)
     return strformat("Cut telegram, %d of at least %d bytes%s", there, K.STATIC_LENGTH, body.marks)
   end
@@ -3729,7 +3694,6 @@ do
   function sis.dissector(tvb, pinfo, tree)
     if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
     if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_segment(tvb, pinfo, tree) end
-    if packet.record and packet.record.type == K.SERTAP_EVENT then return S.dissect_before(tvb, pinfo, tree) end
     S.dissect_packet(tvb, pinfo, tree)
   end
 
@@ -4064,17 +4028,12 @@ do
     if layouts.is_by_layout then S.bodies[service] = dissect_by_layout end
   end
 
-  local function is_phase_service(service)
-    local general = S.general_service(service)
-
-    return general == 0x12 or general == 0x1D
-  end
-
   local function take_status(body)
     if not S.needs(body, F.status, 1) then return end
 
-    local status = get_value(body, 1)
-    local text = is_phase_service(body.service) and N.status_phase[status] or range_text(status, N.status)
+    local status, general = get_value(body, 1), S.general_service(body.service)
+    local is_phase_service = general == 0x12 or general == 0x1D
+    local text = is_phase_service and N.status_phase[status] or range_text(status, N.status)
     body.status = status
     body.status_text = text
     add_code(body, F.status, 1, status, text, 2)
@@ -4090,22 +4049,11 @@ do
     body.marks = body.marks .. "  [status: " .. body.status_text .. "]"
   end
 
-  local function is_product_group(service)
-    return service >= 0x80 and not S.service_is_reserved(service)
-  end
-
-  -- Some product groups send ASCII records (chapter 2.1).
-  local function is_plain_text(body)
-    return string.find(sub(body.bytes, body.offset + 1, body.end_), "^[ -~][\t\n\f\r -~]*$") ~= nil
-  end
-
-  local TOKEN_PASSING = 0x0F
-
   local function dissect_undocumented(body)
     if body.is_reaction and S.has_status(body.service) and S.take_channel_error(body) then return end
     if S.take_rest(body, F.raw) then
       S.mark(body, E.body_note, "no document says what is in it")
-    elseif body.service < TOKEN_PASSING and not body.is_cut then
+    elseif body.service < K.TOKEN_PASSING and not body.is_cut then
       S.mark(body, E.body_note, "no document defines this service")
     end
   end
@@ -4126,8 +4074,9 @@ do
   local function decode(body)
     local dissect = S.bodies[S.general_service(body.service)]
 
-    if not dissect and is_product_group(body.service) and is_plain_text(body) then
-      S.take_text(body, F.text) -- a record of a product group, without a status
+    if not dissect and body.service >= 0x80 and not S.service_is_reserved(body.service)
+      and string.find(sub(body.bytes, body.offset + 1, body.end_), "^[ -~][\t\n\f\r -~]*$") then
+      S.take_text(body, F.text) -- an ASCII record of a product group, without a status (chapter 2.1)
       return
     end
     if body.is_reaction and S.has_status(body.service) then take_status(body) end
@@ -4267,10 +4216,6 @@ do
 
     if not address then return end
     S.say(body, ", 0x%08x", address)
-    if body.request then
-      body.request.has_address = true
-      body.request.address = address
-    end
   end
 
   local function check_most(body, length, most)
@@ -4847,21 +4792,11 @@ do
 
   local SHOWN_BYTES = 8
 
-  -- The bytes themselves, where they are few.
-  local function bytes_text(bytes)
-    return #bytes <= SHOWN_BYTES and ": " .. hex(bytes) or ""
-  end
-
   -- A request for the data status may repeat the number of its parameter, or have no data (fig. 8-42).
   local function check_status_request(access, data)
     if access.ident and (data.length ~= 2 or S.little_endian(data.bytes, 1, 2) ~= access.ident.number) then
       S.mark(access.body, E.body_note, "a request for the data status carries its own ident number or nothing")
     end
-  end
-
-  -- Only the last piece of a transfer may have no data (chapter 8.2). Of a segment the asked length decides.
-  local function check_missing(access)
-    if access.ident and access.body.is_reaction and not is_segment(access) then S.needs(access.body, F.data, 1) end
   end
 
   -- A list may end before the requested length, and the device may have less room. SYNAX sends one element for any
@@ -4895,7 +4830,8 @@ do
     if text then
       S.say(body, " = %s", text)
     else
-      S.say(body, ", %d byte%s%s", data.length, plural(data.length), bytes_text(data.bytes))
+      S.say(body, ", %d byte%s%s", data.length, plural(data.length),
+        data.length <= SHOWN_BYTES and ": " .. hex(data.bytes) or "")
     end
     body.data, body.text = is_whole and data or nil, text
     local misfit = not body.is_cut and S.element_misfit(data, access.element, access.known, is_whole)
@@ -4927,14 +4863,6 @@ do
     end
   end
 
-  -- The data of this telegram, or of all pieces; nil if more pieces follow.
-  local function find_data(access)
-    local body = access.body
-
-    if is_single(access) or (not access.ident and access.is_last) then return S.data(body) end
-    return access.ident and S.sequence_data(body, access.is_last) or nil
-  end
-
   local function take_data(access)
     local body = access.body
 
@@ -4943,10 +4871,16 @@ do
       body.item = body.root
       check_most(access, S.left(body))
     end
-    local data = find_data(access)
+    local data -- of this telegram, or of all pieces; nil if more pieces follow
+    if is_single(access) or (not access.ident and access.is_last) then
+      data = S.data(body)
+    elseif access.ident then
+      data = S.sequence_data(body, access.is_last)
+    end
     if S.left(body) == 0 and not S.is_piece(body) then
       check_segment(access, 0)
-      check_missing(access)
+      -- Only the last piece of a transfer may have no data (chapter 8.2). Of a segment the asked length decides.
+      if access.ident and body.is_reaction and not is_segment(access) then S.needs(body, F.data, 1) end
       return
     end
     if not is_single(access) and (not data or S.is_piece(body)) then
@@ -5082,7 +5016,7 @@ do
     local switch = step.phase_switch
 
     if not switch then return end
-    append_text(set_generated(add(body.tree, F.phase_switch_in, body.tvb, 0, 0, switch.command_in)),
+    append_text(add_generated(body.tree, F.phase_switch_in, body.tvb, switch.command_in),
       strformat(" (to phase %d)", switch.to))
     if not step.is_switch_end then
       S.say(body, ", switching to phase %d", switch.to)
@@ -5094,8 +5028,8 @@ do
       S.say(body, ", %s", words)
       return
     end
-    local text = T.s_text(taken)
-    set_generated(add_value(body.tree, F.phase_switch_time, body.tvb, 0, 0, nstime(taken), text))
+    local text = T.decimal_text(taken, 1e6, 3) .. " s"
+    S.add_time(body.tree, F.phase_switch_time, body.tvb, taken, text)
     S.say(body, ", %s after %s", words, text)
   end
 
@@ -5197,6 +5131,7 @@ do
     local key = sender < receiver and sender * 256 + receiver or receiver * 256 + sender
 
     if telegram.subaddress_count > 0 then key = strformat("%d ", key) .. sub(telegram.path, 2) end
+    if telegram.is_before then key = "before " .. key end -- this file: no repeat, no time to what is in it
     return key
   end
 
@@ -5231,12 +5166,10 @@ do
 
   -- A telegram with a damaged length is not a telegram: the tap reports it as other characters.
   local function note_disturbance(bus, record)
-    local seen = T.disturbance(record)
+    local seen = record.known
 
     if seen.lost_in > bus.lost_in then bus.lost_in = seen.lost_in end
-    if seen.unframed_in > bus.damaged_in then
-      note_damaged(bus, seen.unframed_in)
-    end
+    if seen.unframed_in > bus.damaged_in then note_damaged(bus, seen.unframed_in) end
   end
 
   -- The same bytes again, if the first had no good reaction; or with the same telegram number, whose reaction the
@@ -5244,16 +5177,12 @@ do
   local function find_repeat(exchange, from, bytes, telegram)
     local before = from.last
 
-    if not before or from.bytes ~= bytes then
-      return
-    end
+    if not before or from.bytes ~= bytes then return end
     from.same = before
     exchange.is_reaction_kept = telegram.number > 0
     exchange.is_kept_reaction_seen = exchange.is_reaction_kept and before.reaction_in ~= nil
     exchange.is_step_again = before.is_to_be_repeated
-    if before.reaction_in and not exchange.is_reaction_kept then
-      return
-    end
+    if before.reaction_in and not exchange.is_reaction_kept then return end
     exchange.repeat_of = before.repeat_of or before.command_in
     exchange.first = before.first or before
   end
@@ -5296,6 +5225,16 @@ do
     end
   end
 
+  -- What the commands before it are to a command of this file.
+  local function find_relations(exchange, bus, telegram, bytes)
+    local before = bus.last[telegram.sender]
+
+    find_route(exchange, telegram, bytes)
+    if before then follow_command(exchange, before, telegram) end
+    bus.last[telegram.sender] = exchange
+    bus.newest = exchange
+  end
+
   local function begin_exchange(bus, number, telegram)
     local stream, times = stream_of_command(bus, telegram), telegram.times
     local from = stream.from[S.direction(telegram)]
@@ -5308,21 +5247,17 @@ do
       reaction_in = nil,
       request = nil,
     }
-    local before = bus.last[telegram.sender]
 
     if S.is_counting then exchange.command_begin = times.begin end
     if #bytes > declared then bytes = sub(bytes, 1, declared) end
     from.path, from.same = telegram.path, nil
     if needs_reaction(telegram) then find_repeat(exchange, from, bytes, telegram) end
-    find_route(exchange, telegram, bytes)
-    if before then follow_command(exchange, before, telegram) end
-    bus.last[telegram.sender] = exchange
-    bus.newest = exchange
+    if not telegram.is_before then find_relations(exchange, bus, telegram, bytes) end
     if from.last then S.route_leave(from.last) end
     from.telegram = telegram
     from.bytes = bytes
     from.last = exchange
-    if telegram.subaddress_count > 0 then S.route_wait(exchange, telegram, bytes) end
+    if telegram.subaddress_count > 0 and not telegram.is_before then S.route_wait(exchange, telegram, bytes) end
     return exchange
   end
 
@@ -5387,12 +5322,10 @@ do
       exchange.next_command_in = nil -- a master need not wait there
     end
     S.route_leave(exchange)
-    if exchange.command_in ~= number then -- nil where both are in one packet
+    if exchange.command_in ~= number and not telegram.is_before then -- nil where both are in one packet
       record.reaction_time = T.elapsed(exchange.command_end, telegram.times.begin)
     end
-    if exchange.forwarded then
-      record.routed_from = exchange.forwarded.reaction_in
-    end
+    if exchange.forwarded then record.routed_from = exchange.forwarded.reaction_in end
   end
 
   -- Chapter 2.4: point to point, a slave answers a damaged command, with 0xF1, 0xF2 or 0xF4; on a bus it is silent.
@@ -5447,19 +5380,11 @@ do
     end
   end
 
-  -- A damaged command was not executed, so its damage has cost nothing.
-  local function answer_damaged(record, bus)
-    record.origin, record.damaged_in = "damaged", bus.damage.command_in
-    bus.damaged_count = bus.damaged_count - 1
-  end
-
   -- Finds the relations of a telegram. A damaged one may have been the reaction that a command waits for.
   function S.exchange_learn(record, bus, number, telegram)
     local tap = packet.record
 
-    if tap then
-      note_disturbance(bus, tap)
-    end
+    if tap then note_disturbance(bus, tap) end
     if not telegram.is_good then
       note_damaged(bus, number, telegram)
       return
@@ -5467,11 +5392,12 @@ do
     if not telegram.is_reaction then
       record.exchange = begin_exchange(bus, number, telegram)
     elseif is_answer_to_damage(bus, telegram) and has_damaged_head(bus.damage, telegram) then
-      answer_damaged(record, bus)
+      record.origin, record.damaged_in = "damaged", bus.damage.command_in
+      bus.damaged_count = bus.damaged_count - 1 -- it was not executed, so its damage has cost nothing
     else
       end_exchange(record, bus, number, telegram)
     end
-    bus.damage.is_there = false
+    bus.damage.is_there = bus.damage.is_there and telegram.is_before
   end
 
   local NO_STEP = {}
@@ -5495,15 +5421,14 @@ do
     return exchange and exchange.from ~= exchange.from.stream.from[S.direction(telegram)]
   end
 
-  local function add_frame(tree, tvb, which, frame)
-    return frame and set_generated(add(tree, which, tvb, 0, 0, frame))
+  -- A duration that stands for no bytes, with its text.
+  function S.add_time(tree, which, tvb, ns, text)
+    return tree and set_generated(add_value(tree, which, tvb, 0, 0, nstime(ns), text))
   end
 
-  -- A duration as "12.345 ms". A clock that is set back makes none.
+  -- The same as "12.345 ms". A clock that is set back makes none.
   function S.add_ms(tree, which, tvb, ns, sign)
-    if tree and ns >= 0 then
-      set_generated(add_value(tree, which, tvb, 0, 0, nstime(ns), (sign or "") .. T.ms_text(ns)))
-    end
+    if ns >= 0 then S.add_time(tree, which, tvb, ns, (sign or "") .. T.ms_text(ns)) end
   end
 
   -- A time as a number of ms, rounded to three digits, for a column of the packet list. Hidden: the tree has the time
@@ -5518,11 +5443,11 @@ do
     local tree, tvb, root = body.tree, body.tvb, body.root
 
     if tree then
-      add_frame(tree, tvb, F.reaction_in, exchange.reaction_in)
-      add_frame(tree, tvb, F.repeat_of, exchange.repeat_of)
-      add_frame(tree, tvb, F.unanswered_before, exchange.gave_up)
-      add_frame(tree, tvb, F.routed_from, exchange.routed_from)
-      add_frame(tree, tvb, F.next_command_in, exchange.next_command_in)
+      add_generated(tree, F.reaction_in, tvb, exchange.reaction_in)
+      add_generated(tree, F.repeat_of, tvb, exchange.repeat_of)
+      add_generated(tree, F.unanswered_before, tvb, exchange.gave_up)
+      add_generated(tree, F.routed_from, tvb, exchange.routed_from)
+      add_generated(tree, F.next_command_in, tvb, exchange.next_command_in)
     end
     if exchange.repeat_of then
       add_expert(root, E.command_repeat)
@@ -5537,7 +5462,7 @@ do
 
   local function show_origin(record, body)
     if record.origin == "damaged" then
-      append_text(add_frame(body.tree, body.tvb, F.command_in, record.damaged_in), ", damaged")
+      append_text(add_generated(body.tree, F.command_in, body.tvb, record.damaged_in), ", damaged")
       add_expert(body.root, E.reaction_to_damaged)
     elseif record.origin == "own number" then
       add_expert(body.root, E.reaction_unasked,
@@ -5555,9 +5480,9 @@ do
       show_origin(record, body)
       return
     end
-    local command = add_frame(tree, tvb, F.command_in, exchange.command_in)
-    add_frame(tree, tvb, F.routed_from, record.routed_from)
-    add_frame(tree, tvb, F.answered_in, record.reaction_before)
+    local command = add_generated(tree, F.command_in, tvb, exchange.command_in)
+    add_generated(tree, F.routed_from, tvb, record.routed_from)
+    add_generated(tree, F.answered_in, tvb, record.reaction_before)
     if record.reaction_before then
       add_expert(root, E.reaction_again)
     elseif record.reaction_time and not S.is_measured(record.reaction_time, body.telegram.times) then
@@ -5573,9 +5498,7 @@ do
   function S.exchange_show(record, telegram, body)
     local exchange = record.exchange
 
-    if exchange and body.tree then
-      set_generated(add(body.tree, F.stream, body.tvb, 0, 0, exchange.from.stream.number))
-    end
+    add_generated(body.tree, F.stream, body.tvb, exchange and exchange.from.stream.number)
     if telegram.is_reaction then
       show_reaction(record, body)
     elseif exchange then
@@ -5657,6 +5580,87 @@ do
   end
 end
 
+--- sis/pieces: data that do not fit into one packet, put together
+
+do
+  K.PIECES_OF_SIS = {all = F.sequence, piece = F.sequence_piece, count = F.sequence_count, length = F.sequence_length,
+    whole_in = F.sequence_whole_in}
+  local OF_SYNAX = {all = FX.synax_pieces, piece = FX.synax_pieces_piece, count = FX.synax_pieces_count,
+    length = FX.synax_pieces_length, whole_in = FX.synax_pieces_whole_in}
+
+  -- A transfer: {pieces = {frame, bytes or length}, whole_in, bytes: of the whole, full_in: frame of the first piece
+  -- too many}. First pass: adds a piece.
+  function S.add_piece(transfer, bytes, is_last)
+    local pieces, all = transfer.pieces, {}
+
+    if #pieces == K.MOST_PIECES then
+      transfer.full_in = transfer.full_in or packet.number
+      return
+    end
+    pieces[#pieces + 1] = {frame = packet.number, bytes = bytes}
+    if not is_last then return end
+    for i, piece in ipairs(pieces) do
+      all[i], piece.length, piece.bytes = piece.bytes, #piece.bytes, nil
+    end
+    transfer.bytes, transfer.whole_in = concat(all), packet.number
+  end
+
+  local function show_piece(tree, tvb, which, piece, offset)
+    local words
+
+    if piece.length == 0 then
+      words = strformat("Frame: %d (no data)", piece.frame)
+    else
+      words = strformat("Frame: %d, payload: %d-%d (%d byte%s)", piece.frame, offset, offset + piece.length - 1,
+        piece.length, plural(piece.length))
+    end
+    set_generated(add(tree, which.piece, tvb, offset, piece.length, piece.frame, words))
+  end
+
+  -- As Wireshark's own reassembly shows it. `which` has its fields: all, piece, count, length.
+  local function show_pieces(parent, data, pieces, which)
+    local tree, offset = add(parent, which.all, data.tvb, 0, data.tvb:len()), 0
+
+    tree:set_text(strformat("%d %s (%d byte%s):", #pieces, #pieces == 1 and "Piece" or "Pieces", data.length,
+      plural(data.length)))
+    for i, piece in ipairs(pieces) do -- one by one: so a line that is too long is cut like those of Wireshark
+      append_text(tree, strformat("%s #%d(%d)", i > 1 and "," or "", piece.frame, piece.length))
+    end
+    tree:set_generated()
+    for _, piece in ipairs(pieces) do
+      show_piece(tree, data.tvb, which, piece, offset)
+      offset = offset + piece.length
+    end
+    add_generated(tree, which.count, data.tvb, #pieces)
+    add_generated(tree, which.length, data.tvb, data.length)
+  end
+
+  -- Shows what is known of the piece at `offset`, with the fields `which`. Returns the whole with its last piece, as
+  -- S.data() does; its tvb only with a tree.
+  function S.put_together(tree, tvb, offset, transfer, is_last, which)
+    if not transfer.whole_in then return nil end
+    if not is_last then
+      set_generated(add(tree, which.whole_in, tvb, offset, 0, transfer.whole_in))
+      return nil
+    end
+    local data = {offset = 0, length = #transfer.bytes, bytes = transfer.bytes}
+
+    if tree then
+      data.tvb = ByteArray.new(data.bytes, true):tvb("Data of all pieces")
+      show_pieces(tree, data, transfer.pieces, which)
+    end
+    return data
+  end
+
+  -- The same for SYNAX: `tvb` is the piece. Returns the tvb of the whole.
+  function S.put_next(tree, tvb, transfer, is_last)
+    if transfer.full_in and packet.number >= transfer.full_in then add_expert(tree, EX.synax_pieces_too_many) end
+    local data = S.put_together(tree, tvb, 0, transfer, is_last, OF_SYNAX)
+
+    return data and data.tvb
+  end
+end
+
 --- sis/sequence: sequential telegrams: data that do not fit into one are read or written in pieces
 -- (chapters 8.2 and 8.7). Bit 2 of the parameter control says whether more follow; nothing says that a piece is the
 -- first, or which one it is.
@@ -5670,8 +5674,6 @@ do
   local INVALID_SEQUENTIAL_TELEGRAM = 0xF8
   local LENGTH_WORDS = 4 -- bytes of a list: actual and maximum length
 
-  local WHOLE = "Data of all pieces"
-  local SEQUENCE = {all = F.sequence, piece = F.sequence_piece, count = F.sequence_count, length = F.sequence_length}
 
   -- A transfer: {service, is_in_list: of elements of service 0x04, element, device, ident, segment, exchange: that
   -- began it, begun_in, last_in: the latest piece, damaged_count: of its bus, then, is_broken: a piece may be missing,
@@ -5693,10 +5695,6 @@ do
     }
   end
 
-  local function transfers_of(exchange)
-    return exchange.from.transfers
-  end
-
   -- An element of a list and a telegram are never steps of one transfer: between its telegrams, the service stays the
   -- same (0xF8, fig. 2-18).
   local function is_same_transfer(a, b)
@@ -5710,7 +5708,7 @@ do
 
   -- nil if it is not under way.
   local function find_transfer(exchange, like)
-    for _, transfer in ipairs(transfers_of(exchange)) do
+    for _, transfer in ipairs(exchange.from.transfers) do
       if is_same_transfer(transfer, like) then
         return transfer
       end
@@ -5737,7 +5735,7 @@ do
   end
 
   local function end_transfer(transfer)
-    replace(transfers_of(transfer.exchange), transfer, nil)
+    replace(transfer.exchange.from.transfers, transfer, nil)
     replace(transfer.exchange.from.stream.bus.open, transfer, nil)
   end
 
@@ -5777,37 +5775,15 @@ do
     return before and S.step(before, command_place(body)).transfer
   end
 
-  local function damaged_since(transfer, exchange)
-    return exchange.from.stream.bus.damaged_count - transfer.damaged_count
-  end
-
   -- Whether a piece may have been lost since the one before: lost characters; the damaged reaction to a command that
   -- was then repeated; or a damaged command with its damaged reaction. Not if the slave repeats the reaction that it
   -- has kept.
   local function is_piece_missing(body, transfer)
     local exchange = body.record.exchange
-    local enough = body.is_reaction and exchange.repeat_of and 1 or 2
+    local bus, enough = exchange.from.stream.bus, body.is_reaction and exchange.repeat_of and 1 or 2
 
-    if exchange.from.stream.bus.lost_in > transfer.last_in then
-      return true
-    end
-    return not exchange.is_reaction_kept and damaged_since(transfer, exchange) >= enough
-  end
-
-  -- Adds the piece to the earlier ones.
-  local function add_piece(transfer, frame, bytes, is_last)
-    local pieces = transfer.pieces
-
-    pieces[#pieces + 1] = {frame = frame, bytes = bytes}
-    if not is_last then
-      return
-    end
-    local all = {}
-
-    for i, piece in ipairs(pieces) do
-      all[i], piece.length, piece.bytes = piece.bytes, #piece.bytes, nil
-    end
-    transfer.bytes, transfer.whole_in = concat(all), frame
+    return bus.lost_in > transfer.last_in
+      or not exchange.is_reaction_kept and bus.damaged_count - transfer.damaged_count >= enough
   end
 
   -- How many bytes a list is going to have, if this is its first piece and it has length words; nil: it does not say.
@@ -5859,7 +5835,7 @@ do
     end
     begun.is_doubtful = transfer.is_doubtful
     begun.is_refused, begun.cancelled_in, begun.begun_after = nil, nil, transfer.begun_after
-    replace(transfers_of(transfer.exchange), transfer, begun)
+    replace(transfer.exchange.from.transfers, transfer, begun)
     replace(transfer.exchange.from.stream.bus.open, transfer, begun)
     return begun
   end
@@ -5873,7 +5849,7 @@ do
     local transfer = begin_transfer(body, like)
 
     table.insert(open, transfer)
-    table.insert(transfers_of(exchange), transfer)
+    table.insert(exchange.from.transfers, transfer)
     return transfer
   end
 
@@ -5935,38 +5911,8 @@ do
     step.is_piece_missing = transfer.is_broken
     step.is_doubtful = transfer.is_doubtful
     step.is_begun_anew = is_last and transfer.is_begun_anew
-    if not transfer.is_broken then add_piece(transfer, frame, S.data(body).bytes, is_last) end
+    if not transfer.is_broken then S.add_piece(transfer, S.data(body).bytes, is_last) end
     if is_last then end_transfer(transfer) end
-  end
-
-  local function show_piece(tree, tvb, which, piece, offset)
-    local words
-
-    if piece.length == 0 then
-      words = strformat("Frame: %d (no data)", piece.frame)
-    else
-      words = strformat("Frame: %d, payload: %d-%d (%d byte%s)", piece.frame, offset, offset + piece.length - 1,
-        piece.length, plural(piece.length))
-    end
-    set_generated(add(tree, which.piece, tvb, offset, piece.length, piece.frame, words))
-  end
-
-  -- As Wireshark's own reassembly shows it. `which` has its fields: all, piece, count, length.
-  function S.show_pieces(parent, data, pieces, which)
-    local tree, offset = add(parent, which.all, data.tvb, 0, data.tvb:len()), 0
-
-    tree:set_text(strformat("%d %s (%d byte%s):", #pieces, #pieces == 1 and "Piece" or "Pieces", data.length,
-      plural(data.length)))
-    for i, piece in ipairs(pieces) do -- one by one: so a line that is too long is cut like those of Wireshark
-      append_text(tree, strformat("%s #%d(%d)", i > 1 and "," or "", piece.frame, piece.length))
-    end
-    tree:set_generated()
-    for _, piece in ipairs(pieces) do
-      show_piece(tree, data.tvb, which, piece, offset)
-      offset = offset + piece.length
-    end
-    set_generated(add(tree, which.count, data.tvb, 0, 0, #pieces))
-    set_generated(add(tree, which.length, data.tvb, 0, 0, data.length))
   end
 
   -- The data of a restarted transfer, compared with its announced length.
@@ -5981,7 +5927,6 @@ do
 
   local function put_together(body, is_last)
     local step = S.step(body.record, body.element)
-    local transfer = step.transfer
 
     body.item = body.root
     if step.is_piece_missing then
@@ -5990,20 +5935,10 @@ do
     if step.is_doubtful then
       S.mark(body, E.body_note, "a cancel was not confirmed: it is not known whether the transfer goes on")
     end
-    if step.is_piece_missing or step.is_piece_repeated or not transfer.whole_in then
-      return nil
-    end
-    if not is_last then
-      set_generated(add(body.tree, F.sequence_whole_in, body.tvb, body.offset, 0, transfer.whole_in))
-      return nil
-    end
-    local data = {offset = 0, length = #transfer.bytes, bytes = transfer.bytes}
+    if step.is_piece_missing or step.is_piece_repeated then return nil end
+    local data = S.put_together(body.tree, body.tvb, body.offset, step.transfer, is_last, K.PIECES_OF_SIS)
 
-    if body.tree then
-      data.tvb = ByteArray.new(data.bytes, true):tvb(WHOLE)
-      S.show_pieces(body.tree, data, transfer.pieces, SEQUENCE)
-    end
-    check_announced(body, data.bytes)
+    if data then check_announced(body, data.bytes) end
     return data
   end
 
@@ -6027,7 +5962,7 @@ do
   -- First pass: finds the transfer of these data. Most have nothing before or after them; only the last piece of one
   -- may be empty.
   local function learn_piece(body, is_last)
-    local is_under_way = next(transfers_of(body.record.exchange)) ~= nil
+    local is_under_way = next(body.record.exchange.from.transfers) ~= nil
     local is_again = is_taken_before(body)
 
     if not is_again and is_last and not is_under_way then return end
@@ -6175,7 +6110,7 @@ do
   -- A device has one transfer at a time: a successful access to another parameter has ended the first. Those of one
   -- list go on together: the station executes all of it (chapter 7).
   local function end_others(body, like)
-    local transfers, place = transfers_of(body.record.exchange), 1
+    local transfers, place = body.record.exchange.from.transfers, 1
 
     while transfers[place] do
       local other = transfers[place]
@@ -6204,7 +6139,7 @@ do
   -- Nobody knows which command an element answers: it may have a piece of any transfer of its service.
   local function lose_piece(body)
     effects = effects + 1
-    for _, transfer in ipairs(transfers_of(body.record.exchange)) do
+    for _, transfer in ipairs(body.record.exchange.from.transfers) do
       if transfer.is_in_list and transfer.service == body.service then transfer.is_broken = true end
     end
   end
@@ -6214,7 +6149,7 @@ do
     if asked.service == K.CANCEL_SERVICE then
       watch_cancel(body, asked)
     elseif S.has_control_byte(asked.service)
-      and (body.status ~= 0 or next(transfers_of(body.record.exchange)) or body.record.exchange.steps) then
+      and (body.status ~= 0 or next(body.record.exchange.from.transfers) or body.record.exchange.steps) then
       watch_access(body, asked)
     end
   end
@@ -6245,7 +6180,7 @@ do
 
     body.item = body.root
     for _, transfer in ipairs(S.step(body.record, body.element).ended or {}) do
-      set_generated(add(body.tree, F.sequence_begun_in, body.tvb, 0, 0, transfer.begun_in))
+      add_generated(body.tree, F.sequence_begun_in, body.tvb, transfer.begun_in)
       if transfer.reason ~= reason then
         S.mark(body, E.sequence_ended, "transfer ended unfinished: %s", transfer.reason)
       end
@@ -6259,7 +6194,6 @@ end
 -- the plugin's.
 
 -- Elements of a parameter, bits 3 to 5 of the parameter control (fig. 8-1).
-K.ELEMENT_CHANNEL = 0
 K.ELEMENT_IDENT = 1
 K.ELEMENT_NAME = 2
 K.ELEMENT_ATTRIBUTE = 3
@@ -6413,14 +6347,10 @@ do
   end
 
   -- The profile is not known here: the file of the profile Default, else that of the profile SIS.
-  local function table_file()
-    return io.open(Dir.personal_config_path("sis_parameters"))
-      or io.open(Dir.personal_config_path("profiles/SIS/sis_parameters"))
-  end
-
   -- The rows of every station, then those of one, which complete the former.
   local function read_table()
-    local file = table_file()
+    local file = io.open(Dir.personal_config_path("sis_parameters"))
+      or io.open(Dir.personal_config_path("profiles/SIS/sis_parameters"))
     local of_one = {}
 
     by_user = {}
@@ -6613,10 +6543,6 @@ end
 --- parameters/ident: a parameter in the tree: its ident bit by bit (fig. 8-3), and what is known of it
 
 do
-  local function add_generated(tree, tvb, which, text, source)
-    if text then append_text(set_generated(add(tree, which, tvb, 0, 0, text)), " (" .. source .. ")") end
-  end
-
   -- Adds sis.parameter, the parts of the ident, name, unit and limits. Returns its item. `place` is its place: offset
   -- and length (0: the command has it), type_at, number_at, is_big: the number word.
   function S.add_ident(tree, tvb, place, ident, known)
@@ -6632,10 +6558,11 @@ do
     else
       set_generated(item)
     end
-    add_generated(item, tvb, F.parameter_name, known.name, known.name_from)
-    add_generated(item, tvb, F.parameter_unit, known.unit, known.unit_from)
-    add_generated(item, tvb, F.parameter_minimum, known.minimum, known.minimum_from)
-    add_generated(item, tvb, F.parameter_maximum, known.maximum, known.maximum_from)
+    for _, part in ipairs({"name", "unit", "minimum", "maximum"}) do
+      local made = add_generated(item, F["parameter_" .. part], tvb, known[part])
+
+      if made then append_text(made, " (" .. known[part .. "_from"] .. ")") end
+    end
     return item
   end
 end
@@ -6816,16 +6743,10 @@ do
     return layout.size >= writer.least and layout.size <= writer.most
   end
 
-  -- In hexadecimal if no document describes how to write it.
-  local function number_text(bytes, at, layout)
-    local write = is_described(layout) and writers[layout.format].write or hexadecimal_text
-
-    return write(bytes, at, layout)
-  end
-
-  -- Of the value at `at`, which counts from 1.
+  -- Of the value at `at`, which counts from 1; in hexadecimal if no document describes how to write it.
   local function value_text(bytes, at, layout)
-    local number, format, unit = number_text(bytes, at, layout), layout.format, layout.unit
+    local format, unit = layout.format, layout.unit
+    local number = (is_described(layout) and writers[format].write or hexadecimal_text)(bytes, at, layout)
     local request = layout.is_command and requests[S.little_endian(bytes, at, layout.size)]
 
     if request then return number .. " (" .. request .. ")" end
@@ -7077,17 +6998,12 @@ do
     return tree and tree:referenced(F.access)
   end
 
-  -- A reaction that comes twice is counted once.
+  -- A reaction that comes twice is counted once, one from before this file not at all.
   local function is_known(body)
     local record, asked = body.record, body.asked
 
     return record and not record.reaction_before and asked and asked.has_ident and asked.element == K.ELEMENT_DATA
-      and not body.is_short
-  end
-
-  -- "3" or, behind routers, "3/2/8".
-  local function place_text(path)
-    return concat({byte(path, 1, -1)}, "/")
+      and not body.is_short and not body.telegram.is_before
   end
 
   local function bytes_text(bytes)
@@ -7156,7 +7072,7 @@ do
       is_write = is_write,
       error = error_text, -- of a refused access
       master = body.ends.listener,
-      station = place_text(from.path),
+      station = concat({byte(from.path, 1, -1)}, "/"),
       device = asked.device,
       ident = asked.ident,
     }
@@ -7230,21 +7146,15 @@ do
     return {first = character, size = size, others = others, earliest = earliest, latest = 0}
   end
 
-  local function bound_begin(times)
-    local read = read_at(times, times.first)
+  local function bound(times)
+    local last, read = times.first + times.count - 1, read_at(times, times.first)
 
     times.begin_earliest = times.begin - read.earliest
     times.begin_latest = times.begin - read.others
-  end
-
-  local function bound_end(times)
-    local last = times.first + times.count - 1
-
     while last > times.first and band(flags_of(times.record, last), K.SERTAP_SAME_READ) ~= 0 do
       last = last - 1
     end
-    local read = read_at(times, last)
-
+    read = read_at(times, last)
     times.end_earliest = times.end_ - read.earliest + read.others
   end
 
@@ -7284,10 +7194,7 @@ do
     times.begin_earliest = uncertainty and begin - uncertainty
     times.begin_latest = uncertainty and begin
     times.end_earliest = uncertainty and end_ - uncertainty
-    if uncertainty and band(record.flags, K.SERTAP_SAME_READ) ~= 0 then
-      bound_begin(times)
-      bound_end(times)
-    end
+    if uncertainty and band(record.flags, K.SERTAP_SAME_READ) ~= 0 then bound(times) end
     return times
   end
 
@@ -7472,6 +7379,40 @@ do
   end
 end
 
+--- sis/asked: a request and its answer, in all protocols but SIS: {frame: its own, request_in, answer_in, line: of a
+-- tap with two directions, else 0, finish, finish_earliest, elapsed, span: of an answer, since its request}
+
+do
+  -- First pass: begins with what its packet says.
+  function S.asked_new(times)
+    return {frame = packet.number, line = packet.record and packet.record.line or 0, finish = times.end_,
+      finish_earliest = times.end_earliest}
+  end
+
+  -- Nobody answers himself. A shared line does not show who has sent what.
+  function S.may_answer(answer, request)
+    return request and (answer.line == 0 or answer.line ~= request.line)
+  end
+
+  -- First pass: connects both; `times` are those of the answer.
+  function S.asked_answer(answer, request, times)
+    request.answer_in = request.answer_in or answer.frame
+    answer.request_in = request.frame
+    answer.elapsed = T.elapsed(request.finish, times.begin)
+    answer.span = {least = 0, most = K.ANY_TIME}
+    if request.finish_earliest and times.begin_earliest then
+      answer.span = S.span_between(request.finish_earliest, request.finish, times)
+    end
+  end
+
+  -- Adds what is known of it.
+  function S.asked_show(asked, tree, tvb, request_in, answer_in, time)
+    add_generated(tree, FX[answer_in], tvb, asked.answer_in)
+    add_generated(tree, FX[request_in], tvb, asked.request_in)
+    if asked.request_in then S.add_ms(tree, FX[time], tvb, asked.elapsed) end
+  end
+end
+
 --- sis/bus: what the bus has told about itself, slave by slave and for all (chapter 6). A value counts as told
 -- with the slave's good reaction, or at once where nobody answers; subservice 0xFF makes valid what was told.
 
@@ -7545,13 +7486,6 @@ do
     end
   end
 
-  local function accept_of(told, address, frame)
-    find_station(told, K.ALL_STATIONS)
-    for number in pairs(told.stations) do
-      if address == K.ALL_STATIONS or address == number then accept(told, number, frame) end
-    end
-  end
-
   -- `now`: the end of the telegram that makes this valid.
   local function learn(told, address, request, command, frame, now)
     local setting = {value = request.setting, set_in = command, order = next_order(told)}
@@ -7560,15 +7494,16 @@ do
 
     told.is_anything_told = true
     told.known = {}
-    if request.subservice == ACCEPT then accept_of(told, address, frame) end
+    if request.subservice == ACCEPT then
+      find_station(told, K.ALL_STATIONS)
+      for number in pairs(told.stations) do
+        if address == K.ALL_STATIONS or address == number then accept(told, number, frame) end
+      end
+    end
     if request.subservice == TEST_BAUD then
       told.tests[address] = {rate = setting, finish = now + request.test_ms * 1000000}
     end
     if kind then station.told[kind] = setting end
-  end
-
-  local function is_broadcast(kind)
-    return kind == K.LEVEL_BROADCAST or kind == K.GLOBAL_BROADCAST
   end
 
   -- Whether this telegram makes a setting count: the good reaction of a station of this line, or a command to all.
@@ -7583,10 +7518,10 @@ do
   -- already.
   function S.bus_learn(body)
     local telegram, exchange = body.telegram, body.record.exchange
-    local request = body.asked
-    local is_for_all = is_broadcast(S.receiver_kind(telegram.receiver))
+    local request = body.is_reaction and body.asked or body.request
+    local kind = S.receiver_kind(telegram.receiver)
+    local is_for_all = kind == K.LEVEL_BROADCAST or kind == K.GLOBAL_BROADCAST
 
-    if not body.is_reaction then request = body.request end
     if not request or not is_told(body, is_for_all) then return end
     effects = effects + 1
     local told = exchange.from.stream.bus.told
@@ -7601,24 +7536,6 @@ do
         end
       end
       request, further = further, further and further.next
-    end
-  end
-
-  -- First pass: takes over a setting that was told before this file began; `test_end`: of a timed test, else nil.
-  function S.bus_recall(told, address, kind, value, is_accepted, test_end)
-    local setting = {value = value, set_in = packet.number, order = next_order(told)}
-
-    told.is_anything_told = true
-    told.known = {}
-    find_station(told, K.ALL_STATIONS)
-    local station = find_station(told, address)
-    if test_end then
-      told.tests[address] = {rate = setting, finish = test_end}
-    elseif is_accepted then
-      setting.accepted_in = packet.number
-      station.valid[kind] = setting
-    else
-      station.told[kind] = setting
     end
   end
 
@@ -7684,166 +7601,6 @@ do
   end
 end
 
---- sis/before: what was told before this file began: facts, one in a line, that the tap writes where a file continues
--- another. Any other line is shown and ignored.
-
-do
-  local LONGEST_LIMIT = 512 -- bytes of a minimum or maximum
-  local LONGEST_TEST = 65535000000 -- ns
-
-  -- A number, and the rest of the text; nil: there is none, or one that is too large.
-  local function take_number(text, most)
-    local digits, rest = match(text, "^(%d+)(.*)$")
-    local number = digits and tonumber(digits)
-
-    if number and number <= most then return number, rest end
-  end
-
-  -- The stations of "3" or "3/2/8" as bytes, and the rest.
-  local function take_path(text)
-    local path, rest = "", "/" .. text
-
-    while sub(rest, 1, 1) == "/" do
-      local station
-
-      station, rest = take_number(sub(rest, 2), 255)
-      if not station or #path == 8 then return nil end
-      path = path .. char(station)
-    end
-    return path, rest
-  end
-
-  -- "00 2d 31 01" as bytes; nil: it is something else.
-  local function read_bytes(text)
-    local pairs_of_digits = text .. " "
-
-    if #pairs_of_digits > 3 * LONGEST_LIMIT or gsub(pairs_of_digits, "%x%x ", "") ~= "" then return nil end
-    return (gsub(pairs_of_digits, "(%x%x) ", function(digits) return char(tonumber(digits, 16)) end))
-  end
-
-  -- Shown as the attribute says that is known by now.
-  local function read_limit(text, element, ident, known)
-    local bytes = read_bytes(text)
-
-    if not bytes then return false end
-    return true, S.add_element(nil, nil, {bytes = bytes, length = #bytes, offset = 0}, element, ident, known, true)
-  end
-
-  -- For each element: whether this is its text, and what it says, nil if that cannot be shown.
-  local elements = {
-    name = function(text)
-      local name = match(text, "^ (.+)$")
-      return name, name
-    end,
-    unit = function(text)
-      local unit = text == "" and "" or match(text, "^ (.*)$")
-      return unit, unit
-    end,
-    attribute = function(text)
-      local digits = match(text, "^ 0x([0-9a-f]+)$")
-      return digits and #digits == 8, digits and tonumber(digits, 16)
-    end,
-    minimum = function(text, ident, known)
-      return read_limit(match(text, "^ (.*)$") or "", K.ELEMENT_MINIMUM, ident, known)
-    end,
-    maximum = function(text, ident, known)
-      return read_limit(match(text, "^ (.*)$") or "", K.ELEMENT_MAXIMUM, ident, known)
-    end,
-  }
-
-  -- " device 1 S-0-0036 name Velocity command value", behind the stations.
-  local function take_parameter(bus, path, text)
-    local device, rest = take_number(match(text, "^ device (.*)$") or "", 255)
-
-    if not device then return false end
-    for _, identity in ipairs({"type key", "firmware"}) do
-      if match(rest, "^ " .. identity .. " .") then
-        S.learned_identity(bus, path, device, identity, sub(rest, #identity + 3))
-        return true
-      end
-    end
-    local ident, said = S.ident_parse(match(rest, "^ (.*)$") or "")
-    local what, value = match(said or "", "^ (%l+)(.*)$")
-
-    if not ident or not elements[what] then return false end
-    local is_fact, shown = elements[what](value, ident, S.learned_of(bus, path, ident, device))
-    if is_fact and shown then S.learned_add(bus, path, ident, device, what, shown) end
-    return is_fact
-  end
-
-  local kinds = {
-    {words = " TrS ", unit = " ms", most = 0xFFFF, kind = K.TRS},
-    {words = " TzA ", unit = " ms", most = 0xFFFF, kind = K.TZA},
-    {words = " Tmas ", unit = " ms", most = 0xFFFF, kind = K.TMAS},
-    {words = " baud rate ", unit = " Bd", most = 0xFFFFFFFF, kind = K.BAUD},
-  }
-
-  -- " TzA 5 ms", behind a station or "all".
-  local function take_setting(told, address, text)
-    for _, known in ipairs(kinds) do
-      if sub(text, 1, #known.words) == known.words then
-        local value, rest = take_number(sub(text, #known.words + 1), known.most)
-        local rest_of_test
-
-        if not value or sub(rest, 1, 3) ~= known.unit then return false end
-        rest = sub(rest, 4)
-        if known.kind == K.BAUD and sub(rest, 1, 5) == " for " then
-          rest_of_test, rest = take_number(sub(rest, 6), LONGEST_TEST)
-          if rest ~= " ns" then return false end
-          rest = ""
-        end
-        if rest ~= "" and rest ~= " not accepted" then return false end
-        local test_end = rest_of_test and rest_of_test > 0 and packet.time + rest_of_test or nil
-
-        S.bus_recall(told, address, known.kind, value, rest == "", test_end)
-        return true
-      end
-    end
-    return false
-  end
-
-  -- First pass: learns from a line. False: it is no fact.
-  local function take_fact(bus, line)
-    if sub(line, 1, 3) == "all" then return take_setting(bus.told, K.ALL_STATIONS, sub(line, 4)) end
-    local path, rest = take_path(line)
-
-    return path and (take_parameter(bus, path, rest) or (#path == 1 and take_setting(bus.told, byte(path), rest)))
-  end
-
-  -- Whether a line has only characters that the tap writes: those that S.text() makes of Latin-1.
-  local function is_plain(line)
-    local at = 1
-
-    while at <= #line do
-      at = match(line, "^[ -~]+()", at) or match(line, "^\194[\160-\172\174-\191]()", at)
-        or match(line, "^\195[\128-\191]()", at) or match(line, "^\226\144[\128-\161]()", at)
-      if not at then return false end
-    end
-    return true
-  end
-
-  local facts -- by frame number: how many it told
-
-  at_init(function() facts = {} end)
-
-  function S.dissect_before(tvb, pinfo, tree)
-    local bytes, bus, number, at = tvb:raw(), S.exchange_bus(), packet.number, 1
-
-    facts[number] = facts[number] or 0
-    while at <= #bytes do
-      local finish = string.find(bytes, "\n", at, true) or #bytes + 1
-      local line = sub(bytes, at, finish - 1)
-
-      if line ~= "" then
-        if not packet.visited and is_plain(line) and take_fact(bus, line) then facts[number] = facts[number] + 1 end
-        if tree then tree:add_packet_field(F.told_before, tvb(at - 1, #line), ENC_UTF_8) end
-      end
-      at = finish + 1
-    end
-    pinfo.cols.info = strformat("Told before: %d fact%s", facts[number], plural(facts[number]))
-  end
-end
-
 --- sis/cycle: the cycle in which a master sends its master control word to a drive, which Tmas limits (chapter
 -- 10). First pass only.
 
@@ -7893,7 +7650,7 @@ do
     local stream, limit = record.exchange.from.stream, record.settings and record.settings[K.TMAS]
     local ended_in = max(stream.idle_in, stream.bus.lost_in)
 
-    if times.record then ended_in = max(ended_in, T.disturbance(times.record).begun_in) end
+    if times.record then ended_in = max(ended_in, times.record.known.begun_in) end
     if limit then ended_in = max(ended_in, limit.accepted_in or 0) end
     if not limit or limit.value * MS < DEAD_BUS_SILENCE then ended_in = max(ended_in, stream.bus.cycles.dead_in) end
     return ended_in
@@ -7932,8 +7689,8 @@ do
 
   -- The limits valid for a telegram. The slave of a swapped reaction is in its command.
   local function learn_settings(record, bus, telegram)
-    if packet.record then S.bus_learn_limits(bus.told, T.limits(packet.record)) end
-    S.cycle_heard(bus.cycles, telegram.times)
+    if packet.record then S.bus_learn_limits(bus.told, packet.record.known.limits) end
+    if not telegram.is_before then S.cycle_heard(bus.cycles, telegram.times) end
     if not bus.told.is_anything_told then return end
     local address = record.exchange and byte(record.exchange.from.path) or telegram.receiver
 
@@ -8001,7 +7758,7 @@ do
     if same and same.request and (exchange.repeat_of or exchange.is_step_again) then
       take_over(exchange, request, same, same.request)
     end
-    S.cycle_learn(record, telegram.times, request)
+    if not telegram.is_before then S.cycle_learn(record, telegram.times, request) end
   end
 end
 
@@ -8026,7 +7783,7 @@ do
   local function ms_text(ns)
     local is_close = fmod(ns, MS) ~= 0 and fmod(ns + 500, MS) < 1000
 
-    return is_close and T.exact_ms_text(ns) or T.ms_text(ns)
+    return is_close and T.decimal_text(ns, 1, 6) .. " ms" or T.ms_text(ns)
   end
 
   local function span_text(span)
@@ -8042,16 +7799,14 @@ do
   -- longest (nil: unknown, or not needed), wait: TwM (negative: none)}.
 
   local function add_time(t, which, ns, text)
-    local item = t.tree and add_value(t.tree, which, t.body.tvb, 0, 0, nstime(ns), text)
-
-    return set_generated(item)
+    return S.add_time(t.tree, which, t.body.tvb, ns, text)
   end
 
   local function add_uint(t, which, value, text)
-    local item = add(t.tree, which, t.body.tvb, 0, 0, value)
+    local item = add_generated(t.tree, which, t.body.tvb, value)
 
     append_text(item, text or "")
-    return set_generated(item)
+    return item
   end
 
   local function setting(t, kind)
@@ -8273,15 +8028,6 @@ do
     if telegram.times.record then t.busy, t.span = T.load() end
   end
 
-  local function is_anything_known(t)
-    return t.silence or t.longest or t.trs > 0 or t.wait >= 0 or t.record.cycle or setting(t, K.BAUD) or t.busy
-  end
-
-  -- Then there may be an expert item, which counts even without a tree.
-  local function is_anything_judged(t)
-    return t.tza > 0 or t.trs > 0 or t.wait >= 0 or t.record.cycle or setting(t, K.BAUD)
-  end
-
   local function show(t)
     local body = t.body
 
@@ -8304,7 +8050,11 @@ do
 
     find_timing(t)
     body.timing = t
-    if (body.tree or is_anything_judged(t)) and is_anything_known(t) then show(t) end
+    local has_more = t.trs > 0 or t.wait >= 0 or record.cycle or setting(t, K.BAUD)
+    local is_known = has_more or t.silence or t.longest or t.busy
+
+    -- After a verdict there may be an expert item, which counts even without a tree.
+    if is_known and (body.tree or has_more or t.tza > 0) then show(t) end
   end
 end
 
@@ -8667,8 +8417,8 @@ do
 
   -- A job is what a command asks for, with its follow-ups and further blocks: {command, kind, block, left: bytes of
   -- this block that are still to come, is_open: more blocks follow, info, axis, ident: of the Indramat head, nil
-  -- without, pieces: {frame, bytes}, whole_in, bytes}. A telegram keeps {job, frame, request_in, answer_in, finish,
-  -- elapsed, is_piece: of several, is_first, is_last, is_repeat, command, line, faults: names of those below}.
+  -- without, pieces: {frame, bytes}, whole_in, bytes}. A telegram keeps what was asked and answered, and {job,
+  -- is_piece: of several, is_first, is_last, is_repeat, command, faults: names of those below}.
   local buses, telegrams
 
   -- What chapter 8 does not allow; shown as notes.
@@ -8690,13 +8440,7 @@ do
   end
 
   local function word_at(bytes, at)
-    local high, low = byte(bytes, at + 1, at + 2)
-
-    return high * 0x100 + low
-  end
-
-  local function bytes_of(kind, count)
-    return IN_WORDS[kind] and 2 * count or count
+    return byte(bytes, at + 1) * 0x100 + byte(bytes, at + 2)
   end
 
   -- The only ones that SYNAX has (page 8-24).
@@ -8724,7 +8468,7 @@ do
 
     bus.job = job
     job.command, job.kind, job.block = command, kind, block
-    job.left = bytes_of(kind, word_at(d.bytes, 6))
+    job.left = word_at(d.bytes, 6) * (IN_WORDS[kind] and 2 or 1)
     job.is_open = command == SEND and kind == DATA_BLOCK and block > LAST_OF_A_CHAIN and block <= LONGEST_CHAIN
     telegram.is_first = not goes_on
     telegram.is_piece = goes_on or job.is_open
@@ -8767,9 +8511,7 @@ do
 
     if not request then return end
     bus.request = nil
-    request.answer_in = telegram.frame
-    telegram.request_in = request.frame
-    telegram.elapsed = T.elapsed(request.finish, packet.time)
+    S.asked_answer(telegram, request, {begin = packet.time})
     telegram.job, telegram.command = job, job.command
     telegram.is_first = request.is_first
     if job.command == FETCH then
@@ -8785,8 +8527,8 @@ do
     local telegram = telegrams[number]
 
     if telegram then return telegram end
-    telegram = {frame = number, finish = packet.time + (packet.record and packet.record.duration or 0),
-      is_repeat = is_repeat, line = packet.record and packet.record.line or 0, faults = {}}
+    telegram = S.asked_new({end_ = packet.time + (packet.record and packet.record.duration or 0)})
+    telegram.is_repeat, telegram.faults = is_repeat, {}
     telegrams[number] = telegram
     if is_repeat or (d.is_cut and not d.is_snapped) then return telegram end
     if d.is_snapped then
@@ -8838,30 +8580,18 @@ do
     check_command(d, block, count)
   end
 
-  -- The head of the command that a reaction answers.
-  local function head_of_command(job)
-    return S.head_of(job.info, job.axis, job.ident)
-  end
-
   local function show_reaction(d)
     local number, job = byte(d.bytes, 4), d.telegram.job
     local text = N.rk512_errors[number] or "Not defined"
     local item = d.tree and add_value(d.tree, FX.rk512i_error, d.tvb, 3, 1, number,
       strformat("%s (0x%02x)%s", text, number, number ~= 0 and ", by Siemens' numbers" or ""))
 
-    if job and job.ident then d.words = d.words .. ": " .. S.recall_head(d.tree, d.tvb, head_of_command(job)) end
+    if job and job.ident then
+      d.words = d.words .. ": " .. S.recall_head(d.tree, d.tvb, S.head_of(job.info, job.axis, job.ident))
+    end
     if number == 0 then return end
     add_expert(item or d.root, EX.synax_error, strformat("Error 0x%02x: %s (Siemens' number)", number, text))
     d.words = d.words .. strformat("  [error 0x%02x: %s (Siemens' number)]", number, text)
-  end
-
-  local function show_links(d)
-    local telegram = d.telegram
-
-    if telegram.answer_in then set_generated(add(d.tree, FX.synax_answer_in, d.tvb, 0, 0, telegram.answer_in)) end
-    if not telegram.request_in then return end
-    set_generated(add(d.tree, FX.synax_request_in, d.tvb, 0, 0, telegram.request_in))
-    S.add_ms(d.tree, FX.synax_answer_time, d.tvb, telegram.elapsed)
   end
 
   -- All bytes of a block, or of DB nn to DB 1. Those of SEND begin with the Indramat head. A reaction has none, so
@@ -8875,7 +8605,9 @@ do
         S.add_block_words(tree, d.root, FX.rk512i_block_word, tvb, 0, length, job.block, true)
       end
     elseif d.is_reaction then
-      d.words = d.words .. S.add_head_data(tree, d.root, tvb, 0, true, head_of_command(job))
+      local head = S.head_of(job.info, job.axis, job.ident)
+
+      d.words = d.words .. S.add_head_data(tree, d.root, tvb, 0, true, head)
     else
       local head, words = S.add_head(tree, d.root, tvb, 0, true)
 
@@ -8889,7 +8621,7 @@ do
 
     add(d.tree, FX.rk512i_data, d.tvb, d.data_at, length)
     d.words = d.words .. strformat(", %s of %d bytes", telegram.is_last and "last piece" or "piece", length)
-    local whole = S.put_together(d.tree, d.tvb(d.data_at, length):tvb(), telegram.job, telegram.is_last)
+    local whole = S.put_next(d.tree, d.tvb(d.data_at, length):tvb(), telegram.job, telegram.is_last)
 
     if whole then show_whole(d, add_subtree(d.tree, whole, 0, whole:len(), "Data of all pieces"), whole) end
   end
@@ -8957,11 +8689,11 @@ do
     if d.is_reaction then show_reaction(d) end
     if not d.is_cut and not is_snapped then
       show_data(d)
-    elseif #bytes > d.data_at then
-      add(tree, FX.rk512i_data, tvb, d.data_at, #bytes - d.data_at)
+    else
+      add_bytes(tree, FX.rk512i_data, tvb, d.data_at, #bytes)
     end
     show_faults(d)
-    show_links(d)
+    S.asked_show(d.telegram, tree, tvb, "synax_request_in", "synax_answer_in", "synax_answer_time")
     append_text(tree, ", " .. d.words)
     pinfo.cols.info:append("  " .. d.words)
     return true
@@ -8996,28 +8728,13 @@ do
   local CHECKSUM_BAD, CHECKSUM_GOOD = 0, 1
   local names = {[STX] = "STX", [DLE] = "DLE", [NAK] = "NAK"}
 
-  -- A character or block: {meaning, frame, answers, answer_in, repeat_of, unanswered: frames, tries, line, finish,
-  -- finish_earliest, elapsed, span}. Of both partners: {request, block: that wait for their answer, rival: the
+  -- A character or block, what it asks and answers, and {meaning, repeat_of, unanswered: frames, tries}. Of both
+  -- partners: {request, block: that wait for their answer, rival: the
   -- partner's request meanwhile, granted: whose block has not come, refused, last_block (nil: accepted, or given up),
   -- tries: to send it, sender: its line, is_asked_again: since that try, finish: of the last unit}.
   local buses, units
 
   at_init(function() buses, units = {}, {} end)
-
-  local function answer(unit, asked, times)
-    asked.answer_in = unit.frame
-    unit.answers = asked.frame
-    unit.elapsed = T.elapsed(asked.finish, times.begin)
-    unit.span = {least = 0, most = K.ANY_TIME}
-    if asked.finish_earliest and times.begin_earliest then
-      unit.span = S.span_between(asked.finish_earliest, asked.finish, times)
-    end
-  end
-
-  -- The partners give up when nothing comes for the block wait, or after QVZ, if that is set to more.
-  local function is_given_up(bus, times, qvz)
-    return bus.finish ~= nil and T.elapsed(bus.finish, times.begin) > max(K.P3964R_BLOCK_WAIT_MS * MS, 2 * qvz)
-  end
 
   local function end_series(bus)
     bus.last_block, bus.tries = nil, 0 -- the same bytes again would be a new block
@@ -9033,21 +8750,17 @@ do
     return bus.tries
   end
 
-  -- Whether a request may be for the last block again. On a line that both share, only the partner asks before QVZ is
-  -- over.
-  local function may_be_again(bus, unit, times, qvz)
-    return unit.line ~= 0 or not bus.block or T.elapsed(bus.block.finish, times.begin) >= qvz
-  end
-
   -- Two requests within QVZ come from both partners, if possible: then neither was answered.
   local function note_request(bus, unit, times)
     local before, limit_ms = bus.request, p3964r.prefs.qvz_ms
     local tried, qvz = before, (limit_ms > 0 and limit_ms or K.P3964R_QVZ_MS) * MS
     local is_soon = before and T.elapsed(before.finish, times.begin) < qvz
-    local is_over = is_given_up(bus, times, qvz)
+    -- The partners give up when nothing comes for the block wait, or after QVZ, if that is set to more.
+    local is_over = bus.finish and T.elapsed(bus.finish, times.begin) > max(K.P3964R_BLOCK_WAIT_MS * MS, 2 * qvz)
 
     unit.meaning, unit.tries = ASKS, 1
-    bus.is_asked_again = may_be_again(bus, unit, times, qvz)
+    -- Perhaps for the last block. On a line that both share, only the partner asks before QVZ is over.
+    bus.is_asked_again = unit.line ~= 0 or not bus.block or T.elapsed(bus.block.finish, times.begin) >= qvz
     bus.granted = nil
     if is_over then end_series(bus) end
     if is_soon and (unit.line == 0 or unit.line ~= before.line) then
@@ -9065,24 +8778,19 @@ do
     bus.block, bus.rival, bus.refused, bus.request = nil, nil, nil, unit
   end
 
-  -- Nobody answers himself. A shared line does not show who has sent what.
-  local function can_answer(unit, asked)
-    return asked and (unit.line == 0 or unit.line ~= asked.line)
-  end
-
   local function note_answer(bus, unit, times, is_good)
-    local asked = can_answer(unit, bus.request) and bus.request or bus.rival
+    local asked = S.may_answer(unit, bus.request) and bus.request or bus.rival
 
-    if can_answer(unit, asked) then
+    if S.may_answer(unit, asked) then
       unit.meaning = is_good and GRANTS or REFUSES_REQUEST
       bus.granted = is_good and asked or nil
       bus.request, bus.rival = nil, nil
-    elseif can_answer(unit, bus.block) then
+    elseif S.may_answer(unit, bus.block) then
       asked = bus.block
       unit.meaning = is_good and ACKNOWLEDGES or REFUSES_BLOCK
       if is_good then end_series(bus) end
       bus.block = nil
-    elseif not is_good and can_answer(unit, bus.granted) then -- a block that broke off: no frame
+    elseif not is_good and S.may_answer(unit, bus.granted) then -- a block that broke off: no frame
       unit.meaning = REFUSES_BLOCK
       count_try(bus, bus.granted.line, false)
       bus.granted = nil
@@ -9091,7 +8799,7 @@ do
       unit.meaning = OUT_OF_PLACE
       return
     end
-    answer(unit, asked, times)
+    S.asked_answer(unit, asked, times)
     bus.refused = not is_good and asked or nil
   end
 
@@ -9111,12 +8819,11 @@ do
 
   -- The meaning of a unit depends on what came before it; found in the first pass, and kept.
   local function find_unit(bytes, there, times)
-    local number, record, character = packet.number, packet.record, byte(bytes, 1)
+    local number, character = packet.number, byte(bytes, 1)
     local unit = units[number]
 
     if unit then return unit end
-    unit = {frame = number, line = record and record.line or 0, finish = times.end_,
-      finish_earliest = times.end_earliest}
+    unit = S.asked_new(times)
     units[number] = unit
     local key = T.bus_key()
 
@@ -9135,10 +8842,8 @@ do
   end
 
   local function show_verdict(d, limit_field, verdict_field, limit_ms, verdict, words)
-    if d.tree then
-      set_generated(add_value(d.tree, limit_field, d.tvb, 0, 0, nstime(limit_ms * MS), limit_ms .. " ms"))
-    end
-    local item = set_generated(add(d.tree, verdict_field, d.tvb, 0, 0, verdict))
+    S.add_time(d.tree, limit_field, d.tvb, limit_ms * MS, limit_ms .. " ms")
+    local item = add_generated(d.tree, verdict_field, d.tvb, verdict)
 
     if verdict == K.TIME_OK then return end
     local is_exceeded = verdict == K.TIME_EXCEEDED
@@ -9147,16 +8852,12 @@ do
     if is_exceeded then d.cols.info:append("  [" .. words .. "]") end
   end
 
-  local function add_frame(d, which, frame)
-    if frame then set_generated(add(d.tree, which, d.tvb, 0, 0, frame)) end
-  end
-
   -- How long the partner took, against the acknowledgment delay QVZ.
   local function show_answer(d)
     local unit, limit = d.unit, p3964r.prefs.qvz_ms
 
-    if not unit.answers then return end
-    add_frame(d, FX["3964r_answers"], unit.answers)
+    if not unit.request_in then return end
+    add_generated(d.tree, FX["3964r_answers"], d.tvb, unit.request_in)
     S.add_ms(d.tree, FX["3964r_answer_time"], d.tvb, unit.elapsed)
     if d.times.record and limit > 0 then
       show_verdict(d, FX["3964r_qvz_limit"], FX["3964r_qvz_verdict"], limit, S.judge(unit.span, limit * MS),
@@ -9176,7 +8877,7 @@ do
     if shown ~= K.ANY_TIME then
       S.add_ms(d.tree, FX["3964r_zvz_interval_max"], d.tvb, shown, interval.is_saturated and "more than ")
     end
-    set_generated(add(d.tree, FX["3964r_zvz_position"], d.tvb, 0, 0, interval.at))
+    add_generated(d.tree, FX["3964r_zvz_position"], d.tvb, interval.at)
     if limit > 0 then
       show_verdict(d, FX["3964r_zvz_limit"], FX["3964r_zvz_verdict"], limit, longest.verdict,
         strformat("an interval longer than ZVZ = %d ms", limit))
@@ -9186,10 +8887,10 @@ do
   local function show_unit(d)
     local unit, root = d.unit, d.root
 
-    add_frame(d, FX["3964r_answer_in"], unit.answer_in)
-    add_frame(d, FX["3964r_repeat_of"], unit.repeat_of)
-    add_frame(d, FX["3964r_unanswered_before"], unit.unanswered)
-    if unit.tries then set_generated(add(d.tree, FX["3964r_try"], d.tvb, 0, 0, unit.tries)) end
+    add_generated(d.tree, FX["3964r_answer_in"], d.tvb, unit.answer_in)
+    add_generated(d.tree, FX["3964r_repeat_of"], d.tvb, unit.repeat_of)
+    add_generated(d.tree, FX["3964r_unanswered_before"], d.tvb, unit.unanswered)
+    add_generated(d.tree, FX["3964r_try"], d.tvb, unit.tries)
     if unit.meaning == BOTH_ASK then add_expert(root, EX["3964r_conflict"]) end
     if unit.meaning == OUT_OF_PLACE then add_expert(root, EX["3964r_unexpected"]) end
     if unit.meaning == REFUSES_REQUEST or unit.meaning == REFUSES_BLOCK then add_expert(root, EX["3964r_refused"]) end
@@ -9309,7 +9010,7 @@ do
 
     append_text(tree, ", " .. N.procedure_meanings[d.unit.meaning])
     if d.unit.meaning == BLOCK then dissect_block(d, pinfo, parent) else dissect_character(d) end
-    set_generated(add(tree, FX["3964r_meaning"], tvb, 0, 0, d.unit.meaning))
+    add_generated(tree, FX["3964r_meaning"], tvb, d.unit.meaning)
     show_unit(d)
     show_answer(d)
     if d.unit.meaning == BLOCK then show_intervals(d) end
@@ -9317,54 +9018,12 @@ do
   end
 end
 
---- sis/pieces: data that do not fit into one packet, put together
+--- synax/ways: from one station to another, on a line of the capture
 
-do
-  local WHOLE = "Data of all pieces"
-  local PIECES = {
-    all = FX.synax_pieces,
-    piece = FX.synax_pieces_piece,
-    count = FX.synax_pieces_count,
-    length = FX.synax_pieces_length,
-  }
+function S.way_key(from, to)
+  local of_section, of_interface = S.place()
 
-  -- A transfer: {pieces = {frame, bytes or length}, whole_in, bytes: of the whole, full_in: frame of the first piece
-  -- too many}. First pass: adds a piece.
-  function S.add_piece(transfer, bytes, is_last)
-    local pieces, all = transfer.pieces, {}
-
-    if #pieces == K.MOST_PIECES then
-      transfer.full_in = transfer.full_in or packet.number
-      return
-    end
-    pieces[#pieces + 1] = {frame = packet.number, bytes = bytes}
-    if not is_last then return end
-    for i, piece in ipairs(pieces) do
-      all[i], piece.length, piece.bytes = piece.bytes, #piece.bytes, nil
-    end
-    transfer.bytes, transfer.whole_in = concat(all), packet.number
-  end
-
-  -- Shows what is known of a piece. Returns the whole with its last piece: its tvb.
-  function S.put_together(tree, tvb, transfer, is_last)
-    if transfer.full_in and packet.number >= transfer.full_in then add_expert(tree, EX.synax_pieces_too_many) end
-    if not transfer.whole_in then return nil end
-    if not is_last then
-      set_generated(add(tree, FX.synax_pieces_whole_in, tvb, 0, 0, transfer.whole_in))
-      return nil
-    end
-    local whole = ByteArray.new(transfer.bytes, true):tvb(WHOLE)
-
-    if tree then S.show_pieces(tree, {tvb = whole, length = #transfer.bytes}, transfer.pieces, PIECES) end
-    return whole
-  end
-
-  -- Sender and receiver, on a line of the capture.
-  function S.way_key(from, to)
-    local of_section, of_interface = S.place()
-
-    return strformat("%d/%d/%s/%s", of_section, of_interface, tostring(from), tostring(to))
-  end
+  return strformat("%d/%d/%s/%s", of_section, of_interface, tostring(from), tostring(to))
 end
 
 --- synax/arcnet7f: the data exchange protocol on ARCNET, protocol id 0x7F (chapter 7): TO sends data, FETCH asks for
@@ -9399,13 +9058,9 @@ do
     add_expert(item or t.root, which, strformat(...))
   end
 
-  local function add_raw(t, offset, stop)
-    if stop > offset then add(t.tree, F.raw, t.tvb, offset, stop - offset) end
-  end
-
   -- Not documented.
   local function give_up(t, text)
-    add_raw(t, SHORT_HEAD, t.end_)
+    add_bytes(t.tree, F.raw, t.tvb, SHORT_HEAD, t.end_)
     mark(t, nil, EX.synax_note, "%s", text)
     say(t, "%s%s", t.words ~= "" and ": " or "", text)
   end
@@ -9425,7 +9080,7 @@ do
       offset = offset + part[2]
     end
     if offset == SHORT_HEAD then return true end
-    add_raw(t, offset, t.end_)
+    add_bytes(t.tree, F.raw, t.tvb, offset, t.end_)
     if t.whole < SHORT_HEAD then mark(t, nil, EX.synax_short, "The head is cut") end
     say(t, "Cut telegram")
     return false
@@ -9447,7 +9102,7 @@ do
 
     if t.is_short then mark(t, nil, EX.synax_short, "Fewer bytes than the length says") end
     if there > t.whole then
-      add_raw(t, t.end_, #t.bytes)
+      add_bytes(t.tree, F.raw, t.tvb, t.end_, #t.bytes)
       mark(t, nil, EX.synax_unexpected, "Bytes after the telegram")
     end
   end
@@ -9465,20 +9120,6 @@ do
     return band(byte_at(t, SHORT_HEAD), INFO_WRITE) .. "/" .. sub(t.bytes, BLOCK_AT + 1, BLOCK_AT + 4)
   end
 
-  local function ask(t, way)
-    if way.request then t.kept.unanswered_in = way.request_in end
-    way.request, way.request_in, way.subject = t.kept, packet.number, subject_of(t)
-    way.request_time = packet_time(t.pinfo, packet.number)
-  end
-
-  local function answer(t, way)
-    if not way.request or way.subject ~= subject_of(t) then return end
-    way.request.answer_in = packet.number
-    t.kept.request_in = way.request_in
-    t.kept.answer_time = packet_time(t.pinfo, packet.number) - way.request_time
-    way.request = nil
-  end
-
   -- The number of bytes of a list by its length words; 0: it has none, or they are wrong.
   local function announced_by(t)
     if t.is_block or t.end_ < HEAD + LENGTH_WORDS or not S.is_parameter(word_at(t, SHORT_HEAD)) then return 0 end
@@ -9487,16 +9128,8 @@ do
     return actual <= word_at(t, HEAD + 2) and actual + LENGTH_WORDS or 0
   end
 
-  local function says_last(t)
-    return band(byte_at(t, SHORT_HEAD), K.SYNAX_INFO_LAST) ~= 0
-  end
-
-  local function data_bytes(t, offset)
-    return sub(t.bytes, offset + 1, t.end_)
-  end
-
   local function begin_transfer(t, way)
-    local announced, is_last = announced_by(t), says_last(t)
+    local announced, is_last = announced_by(t), band(byte_at(t, SHORT_HEAD), K.SYNAX_INFO_LAST) ~= 0
 
     if t.is_block and byte_at(t, BLOCK_AT) == CANCEL_BLOCK or t.is_cut and not is_last then way.transfer = nil end
     if t.is_short or t.is_cut or announced <= t.end_ - HEAD
@@ -9512,12 +9145,7 @@ do
       pieces = {},
     }
     t.kept.transfer = way.transfer
-    S.add_piece(way.transfer, data_bytes(t, HEAD), false)
-  end
-
-  -- They count up (pages 7-20 and 7-27).
-  local function next_message(number)
-    return number < FOLLOW_UP_MESSAGE_END and number + 1 or FOLLOW_UP_MESSAGES
+    S.add_piece(way.transfer, sub(t.bytes, HEAD + 1, t.end_), false)
   end
 
   local function continue_transfer(t, way)
@@ -9529,39 +9157,39 @@ do
       return
     end
     t.kept.transfer = transfer
-    t.kept.is_out_of_order = transfer.message and message ~= next_message(transfer.message)
+    local before = message > FOLLOW_UP_MESSAGES and message - 1 or FOLLOW_UP_MESSAGE_END -- pages 7-20 and 7-27
+
+    t.kept.is_out_of_order = transfer.message and transfer.message ~= before
     transfer.message = message
     transfer.received = transfer.received + t.end_ - SHORT_HEAD
     t.kept.is_last_piece = transfer.received >= transfer.announced
     if t.kept.is_last_piece then way.transfer = nil end
-    S.add_piece(transfer, data_bytes(t, SHORT_HEAD), t.kept.is_last_piece)
+    S.add_piece(transfer, sub(t.bytes, SHORT_HEAD + 1, t.end_), t.kept.is_last_piece)
   end
 
   -- First pass: the request that it answers, and the list that it continues.
   local function follow(t)
     local from, to = t.pinfo.src, t.pinfo.dst
-    local way = find_way(from, to)
+    local way, back = find_way(from, to), find_way(to, from)
 
     effects = effects + 1
     if t.command == FETCH then
-      ask(t, way)
+      t.kept.unanswered_in = way.request and way.request.frame
+      way.request, way.subject = t.kept, subject_of(t)
       return
     end
-    answer(t, find_way(to, from))
+    if back.request and back.subject == subject_of(t) then
+      S.asked_answer(t.kept, back.request, {begin = packet.time})
+      back.request = nil
+    end
     if t.is_follow_up then continue_transfer(t, way) else begin_transfer(t, way) end
-  end
-
-  local function add_frame(t, which, frame)
-    if frame then set_generated(add(t.tree, which, t.tvb, 0, 0, frame)) end
   end
 
   local function show_links(t)
     local kept = t.kept
 
-    add_frame(t, FX.synax_request_in, kept.request_in)
-    add_frame(t, FX.synax_answer_in, kept.answer_in)
-    if kept.request_in then S.add_ms(t.tree, FX.synax_answer_time, t.tvb, kept.answer_time) end
-    add_frame(t, FX.synax_unanswered_in, kept.unanswered_in)
+    S.asked_show(kept, t.tree, t.tvb, "synax_request_in", "synax_answer_in", "synax_answer_time")
+    add_generated(t.tree, FX.synax_unanswered_in, t.tvb, kept.unanswered_in)
     if kept.unanswered_in then add_expert(t.root, EX.synax_unanswered_before) end
   end
 
@@ -9578,7 +9206,7 @@ do
 
   local function add_block_data(t, block)
     if block ~= CANCEL_BLOCK then check_data(t) end
-    if t.end_ > HEAD then add(t.tree, F.data, t.tvb, HEAD, t.end_ - HEAD) end
+    add_bytes(t.tree, F.data, t.tvb, HEAD, t.end_)
     if t.whole == HEAD then return end
     S.add_block_words(t.tree, t.root, FX.arcnet7f_word, t.tvb, HEAD, t.end_, block, false)
     if block == K.SYNAX_BLOCK_MODE and t.whole - HEAD > 2 then
@@ -9596,7 +9224,7 @@ do
 
     if not text then mark(t, item, EX.synax_note, "Data block that is not defined") end
     if sub(t.bytes, BLOCK_AT + 2, HEAD) ~= "\0\0\0" then
-      add_raw(t, BLOCK_AT + 1, HEAD)
+      add_bytes(t.tree, F.raw, t.tvb, BLOCK_AT + 1, HEAD)
       mark(t, nil, EX.synax_note, "Content after the number of a data block")
     end
     say(t, "%s DB %d%s", band(byte_at(t, SHORT_HEAD), INFO_WRITE) ~= 0 and "Write" or "Read", block,
@@ -9620,14 +9248,14 @@ do
       offset = HEAD + LENGTH_WORDS
     end
     say(t, "%s", S.add_head_data(t.tree, t.root, list, offset, false, head))
-    add_raw(t, HEAD + announced, t.end_)
+    add_bytes(t.tree, F.raw, t.tvb, HEAD + announced, t.end_)
   end
 
   local function add_first_piece(t, announced)
     local here = t.end_ - HEAD - LENGTH_WORDS
 
     add_length_words(t)
-    if here > 0 then add(t.tree, F.data, t.tvb, HEAD + LENGTH_WORDS, here) end
+    add_bytes(t.tree, F.data, t.tvb, HEAD + LENGTH_WORDS, t.end_)
     say(t, ", list of %d bytes, %d here", announced - LENGTH_WORDS, here)
   end
 
@@ -9639,7 +9267,7 @@ do
     if t.command == FETCH then return end
     if t.is_cut then
       say_bytes(t, t.whole - HEAD)
-      if length > 0 then add(t.tree, F.data, t.tvb, HEAD, length) end
+      add_bytes(t.tree, F.data, t.tvb, HEAD, t.end_)
       return
     end
     if not head.is_parameter or head.is_last then
@@ -9653,15 +9281,15 @@ do
       add_first_piece(t, announced)
     else
       say_bytes(t, length)
-      if length > 0 then add(t.tree, F.data, t.tvb, HEAD, length) end
+      add_bytes(t.tree, F.data, t.tvb, HEAD, t.end_)
       mark(t, nil, EX.synax_note, "More is to follow, but the data do not begin with the lengths of a list")
     end
-    if t.kept.transfer then S.put_together(t.tree, t.tvb(HEAD, length):tvb(), t.kept.transfer, false) end
+    if t.kept.transfer then S.put_next(t.tree, t.tvb(HEAD, length):tvb(), t.kept.transfer, false) end
   end
 
   local function add_first(t)
     if t.end_ < HEAD then
-      add_raw(t, SHORT_HEAD, t.end_)
+      add_bytes(t.tree, F.raw, t.tvb, SHORT_HEAD, t.end_)
       say(t, "Cut telegram")
       if not t.is_short and not t.is_cut then
         mark(t, nil, EX.synax_short, "The length is shorter than the head")
@@ -9688,7 +9316,7 @@ do
 
   local function add_request_of_piece(t)
     if t.end_ < HEAD then
-      add_raw(t, SHORT_HEAD, t.end_)
+      add_bytes(t.tree, F.raw, t.tvb, SHORT_HEAD, t.end_)
       return
     end
     local _, words = S.add_head(t.tree, t.root, t.tvb, SHORT_HEAD, false)
@@ -9705,13 +9333,13 @@ do
       return
     end
     if transfer then
-      add_frame(t, FX.arcnet7f_first_in, transfer.begun_in)
+      add_generated(t.tree, FX.arcnet7f_first_in, t.tvb, transfer.begun_in)
       if t.tree then
         S.add_ident(t.tree, t.tvb, {offset = 0, length = 0}, transfer.ident, S.known_from_tables(transfer.ident))
       end
       say(t, " of %s", transfer.ident.text)
     end
-    if length > 0 then add(t.tree, F.data, t.tvb, SHORT_HEAD, length) end
+    add_bytes(t.tree, F.data, t.tvb, SHORT_HEAD, t.end_)
     say_bytes(t, t.whole - SHORT_HEAD)
     if t.is_cut then return end
     if not transfer then
@@ -9722,7 +9350,7 @@ do
       mark(t, nil, EX.synax_note, "Its message number does not follow that of the piece before")
     end
     local piece = length > 0 and t.tvb(SHORT_HEAD, length):tvb() or t.tvb
-    local whole = S.put_together(t.tree, piece, transfer, t.kept.is_last_piece)
+    local whole = S.put_next(t.tree, piece, transfer, t.kept.is_last_piece)
 
     if whole then add_whole(t, whole) end
   end
@@ -9756,7 +9384,7 @@ do
     local t = {tvb = tvb, bytes = bytes, pinfo = pinfo, tree = tree, root = tree, words = "", there = there,
       whole = there, end_ = #bytes}
 
-    kept_of[packet.number] = kept_of[packet.number] or {}
+    kept_of[packet.number] = kept_of[packet.number] or S.asked_new({end_ = packet.time})
     t.kept = kept_of[packet.number]
     if add_short_head(t) then add_rest(t) end
     pinfo.cols.info = t.words
@@ -9842,7 +9470,7 @@ do
     end
     c.sender = sender
     if sender == GUESS then return end
-    set_generated(add(c.tree, FX.synaxpk_sender, c.tvb, 0, 0, sender))
+    add_generated(c.tree, FX.synaxpk_sender, c.tvb, sender)
     c.words = N.channel_senders[sender]
   end
 
@@ -9888,26 +9516,20 @@ do
     if kept.transfer then S.add_piece(kept.transfer, sub(c.bytes, WORD_SIZE + 1, c.end_), is_last) end
   end
 
-  -- First pass: data are repeated only if their sender has sent nothing else since. If the sender is unknown, only
-  -- the basic state shows that they are new.
-  local function follow_word(c)
-    if c.sender ~= GUESS then
-      local key = find_key(c, c.sender)
-
-      if c.word == BASIC_STATE then ways[key] = {} end
-      ways[key].image = sub(c.bytes, 1, c.there)
-    elseif c.word == BASIC_STATE then
-      ways[find_key(c, 0)], ways[find_key(c, READ_BIT)] = {}, {}
-    end
-  end
-
-  -- First pass: what was under way when the capture cut a packet.
+  -- First pass: forgets what was under way.
   local function forget(c)
     if c.sender ~= GUESS then
       ways[find_key(c, c.sender)] = {}
     else
       ways[find_key(c, 0)], ways[find_key(c, READ_BIT)] = {}, {}
     end
+  end
+
+  -- First pass: data are repeated only if their sender has sent nothing else since. If the sender is unknown, only
+  -- the basic state shows that they are new.
+  local function follow_word(c)
+    if c.word == BASIC_STATE then forget(c) end
+    if c.sender ~= GUESS then ways[find_key(c, c.sender)].image = sub(c.bytes, 1, c.there) end
   end
 
   local function add_parameter(c)
@@ -10047,7 +9669,7 @@ do
     end
     if not is_last then say(c, "more follows") end
     if c.is_short then return nil end
-    if kept.transfer then whole = S.put_together(c.tree, piece, kept.transfer, is_last) end
+    if kept.transfer then whole = S.put_next(c.tree, piece, kept.transfer, is_last) end
     return whole and add_sis_data(c, whole)
   end
 
@@ -10093,10 +9715,6 @@ do
     FX.synaxpk_drive_fragment, FX.synaxpk_drive_length,
   }
 
-  local function add_beyond(c)
-    if c.there > c.end_ then add(c.tree, FX.synaxpk_beyond, c.tvb, c.end_, c.there - c.end_) end
-  end
-
   -- The word of SYNAX, and what follows it.
   local function add_synax(c)
     local item = add_bits(c, FX.synaxpk_word, word_bits)
@@ -10112,7 +9730,7 @@ do
       read_extent(c)
       telegram = add_content(c)
     end
-    add_beyond(c)
+    add_bytes(c.tree, FX.synaxpk_beyond, c.tvb, c.end_, c.there)
     return telegram
   end
 
@@ -10155,13 +9773,13 @@ do
     end
     say_bytes(c, c.end_ - WORD_SIZE)
     if c.sender == MASTER and is_alone and c.end_ >= ORDER_HEAD_END then at = add_order(c) end
-    if c.end_ > at then add(c.tree, FX.synaxpk_payload, c.tvb, at, c.end_ - at) end
-    add_beyond(c)
+    add_bytes(c.tree, FX.synaxpk_payload, c.tvb, at, c.end_)
+    add_bytes(c.tree, FX.synaxpk_beyond, c.tvb, c.end_, c.there)
   end
 
   local function check_size(c)
     if c.all == c.there then return end
-    if #c.bytes > c.there then add(c.tree, F.raw, c.tvb, c.there, #c.bytes - c.there) end
+    add_bytes(c.tree, F.raw, c.tvb, c.there, #c.bytes)
     mark(c, nil, EX.synax_unexpected, "Bytes after the six words of the channel")
   end
 
@@ -10169,7 +9787,7 @@ do
   local function add_cut(c, is_synax)
     add_sender(c)
     say(c, "Cut channel")
-    if #c.bytes > 0 then add(c.tree, F.raw, c.tvb, 0, #c.bytes) end
+    add_bytes(c.tree, F.raw, c.tvb, 0, #c.bytes)
     if not packet.visited and is_synax then forget(c) end
   end
 
@@ -10249,20 +9867,6 @@ do
 
   at_init(function() requests, links = {}, {} end)
 
-  local function new_link(key, access)
-    local before, time = requests[key], packet.time
-
-    if access.operation == WRITE_REQUEST then
-      if before then before.next_in = packet.number end
-      requests[key] = {frame = packet.number, time = time}
-      return {request = requests[key]}
-    elseif access.operation == READ_ANSWER and before then
-      before.answer_in = before.answer_in or packet.number
-      return {request = before, elapsed = T.elapsed(before.time, time)}
-    end
-    return {}
-  end
-
   -- One exchange is a write request and one or more reads of the same object (p. 2-16). Found in the first pass, and
   -- kept for later passes.
   local function find_link(place, access)
@@ -10271,36 +9875,33 @@ do
 
     if known or packet.visited or not object.of_telegrams then return known end
     local key = S.line_key(S.place()) .. " " .. access.channel .. " " .. access.index
+    local before = requests[key]
 
-    known = new_link(key, access)
+    known = S.asked_new({end_ = packet.time})
+    if access.operation == WRITE_REQUEST then
+      if before then before.next_in = number end
+      requests[key] = known
+    elseif access.operation == READ_ANSWER and before then
+      S.asked_answer(known, before, {begin = packet.time})
+    end
     links[number] = links[number] or {}
     links[number][place] = known
     return known
   end
 
   local function show_link(d, link)
-    local request, tree = link and link.request, d.tree
-
-    if not request then return end
-    if d.access.operation == READ_ANSWER then
-      set_generated(add(tree, FX.synax_request_in, d.tvb, 0, 0, request.frame))
-      S.add_ms(tree, FX.synax_answer_time, d.tvb, link.elapsed)
-    elseif request.answer_in then
-      set_generated(add(tree, FX.synax_answer_in, d.tvb, 0, 0, request.answer_in))
-    elseif request.next_in then
-      set_generated(add(tree, FX.synax_next_request_in, d.tvb, 0, 0, request.next_in))
+    if not link then return end
+    S.asked_show(link, d.tree, d.tvb, "synax_request_in", "synax_answer_in", "synax_answer_time")
+    if link.next_in and not link.answer_in then
+      add_generated(d.tree, FX.synax_next_request_in, d.tvb, link.next_in)
       add_expert(d.root, EX.synax_unanswered, "No answer was read before the next write request")
     end
-  end
-
-  local function add_raw(d, which, offset, length)
-    if length > 0 then add(d.tree, which, d.tvb, offset, length) end
   end
 
   local function dissect_no_telegram(d)
     local is_empty = not string.find(d.bytes, "[^%z]")
 
-    add_raw(d, FX.synaxobj_raw, d.offset, d.length)
+    add_bytes(d.tree, FX.synaxobj_raw, d.tvb, d.offset, d.offset + d.length)
     d.pinfo.cols.info:append(is_empty and "  empty" or "  no telegram")
     if not is_empty then add_expert(d.root, EX.synax_note, "The object does not begin with a telegram") end
   end
@@ -10312,7 +9913,7 @@ do
     local info = d.pinfo.cols.info
 
     if byte(d.bytes, 1) ~= K.START then return dissect_no_telegram(d) end
-    add_raw(d, FX.synaxobj_padding, d.offset + extent, d.length - extent)
+    add_bytes(d.tree, FX.synaxobj_padding, d.tvb, d.offset + extent, d.offset + d.length)
     info:append("  ")
     info:fence()
     Dissector.get("sis"):call(d.tvb(d.offset, extent):tvb(), d.pinfo, d.parent)
@@ -10352,7 +9953,7 @@ do
     local high, low = byte(d.bytes, 1, 2)
 
     if d.length < WORD_SIZE then
-      add_raw(d, FX.synaxobj_raw, d.offset, d.length)
+      add_bytes(d.tree, FX.synaxobj_raw, d.tvb, d.offset, d.offset + d.length)
       add_expert(d.root, EX.synax_short, "The object has 2 bytes, not 1")
       return
     end
@@ -10364,12 +9965,12 @@ do
     end
     add_open_bits(d, item, band(word, object.open_bits))
     report_fault(d, item, word)
-    add_raw(d, FX.synaxobj_raw, d.offset + WORD_SIZE, d.length - WORD_SIZE)
+    add_bytes(d.tree, FX.synaxobj_raw, d.tvb, d.offset + WORD_SIZE, d.offset + d.length)
     d.pinfo.cols.info:append(strformat("  0x%04x", word))
   end
 
   local function dissect_unknown(d)
-    add_raw(d, FX.synaxobj_raw, d.offset, d.length)
+    add_bytes(d.tree, FX.synaxobj_raw, d.tvb, d.offset, d.offset + d.length)
     d.pinfo.cols.info:append(strformat("  %d byte%s", d.length, plural(d.length)))
     add_expert(d.root, EX.synax_note, "Control or status word of the multiplex channel: which bits are Index_out_c, "
       .. "Index_in_c, RR and RA is not defined")
@@ -10402,8 +10003,8 @@ do
       access = access, bytes = length > 0 and tvb(offset, length):bytes():raw() or ""}
 
     pinfo.cols.protocol = "SYNAXOBJ"
-    set_generated(add(root, FX.synaxobj_index, tvb, 0, 0, access.index))
-    set_generated(add(root, FX.synaxobj_operation, tvb, 0, 0, access.operation))
+    add_generated(root, FX.synaxobj_index, tvb, access.index)
+    add_generated(root, FX.synaxobj_operation, tvb, access.operation)
     append_text(root, strformat(", 0x%04X %s", access.index, N.synaxobj_operations[access.operation]))
     pinfo.cols.info:append(strformat("  0x%04X", access.index))
     show_link(d, find_link(tvb:offset() + offset, access))
@@ -10418,17 +10019,19 @@ do
   local HEAD_SIZE, REFERENCE_END, RESULT_END = 4, 6, 8
   local SUBINDEX_AT, LENGTH_AT, DATA_AT = 8, 9, 10
 
-  -- Services on objects. The master sees request and confirmation, the device indication and response.
-  local accesses = {
-    [0x0081] = {},
-    [0x0082] = {is_write = true},
-    [0x00A1] = {is_answer = true, is_at_device = true},
-    [0x00A2] = {is_answer = true, is_write = true, is_at_device = true},
-    [0x0181] = {is_answer = true},
-    [0x0182] = {is_answer = true, is_write = true},
-    [0x01A1] = {is_at_device = true},
-    [0x01A2] = {is_write = true, is_at_device = true},
-  }
+  -- Bits of the codes 0081, 0082, 00A1 ... 01A2. SECOND: a confirmation or an indication: what the other has begun
+  -- arrives.
+  local OF_DEVICE, SECOND = 0x0020, 0x0100
+
+  -- A service on an object; nil: it is another service. The master sees request and confirmation, the device
+  -- indication and response.
+  local function read_access(code)
+    local service, is_at_device = band(code, 0xFFFF - OF_DEVICE - SECOND), band(code, OF_DEVICE) ~= 0
+
+    if service ~= 0x0081 and service ~= 0x0082 then return nil end
+    return {is_write = service == 0x0082, is_at_device = is_at_device,
+      is_answer = is_at_device ~= (band(code, SECOND) ~= 0)}
+  end
 
   local requests, links -- the last request of each kind; relations of a packet
 
@@ -10443,27 +10046,23 @@ do
       " ")
   end
 
-  local function begin_exchange(d)
-    local request = {frame = packet.number, time = packet.time, index = word_at(d, REFERENCE_END),
-      subindex = byte(d.bytes, SUBINDEX_AT + 1)}
-
-    requests[key_of(d, d.access.is_at_device or false)] = request
-    return {request = request}
+  -- A request names its object.
+  local function begin_exchange(d, link)
+    link.request, link.index, link.subindex = link, word_at(d, REFERENCE_END), byte(d.bytes, SUBINDEX_AT + 1)
+    requests[key_of(d, d.access.is_at_device)] = link
   end
 
   -- At the same end of the bus, else at the other: a log may have only requests and responses.
-  local function end_exchange(d)
-    local own = d.access.is_at_device or false
-
-    for _, place in ipairs({own, not own}) do
+  local function end_exchange(d, link)
+    for _, place in ipairs({d.access.is_at_device, not d.access.is_at_device}) do
       local request = requests[key_of(d, place)]
 
       if request and not request.answer_in then
-        request.answer_in = packet.number
-        return {request = request, elapsed = T.elapsed(request.time, packet.time)}
+        link.request = request
+        S.asked_answer(link, request, {begin = packet.time})
+        return
       end
     end
-    return {}
   end
 
   -- Found in the first pass, and kept for every later one.
@@ -10472,26 +10071,15 @@ do
     local known = links[number] and links[number][place]
 
     if known or packet.visited then return known or {} end
-    known = d.access.is_answer and end_exchange(d) or begin_exchange(d)
+    known = S.asked_new({end_ = packet.time})
+    if d.access.is_answer then end_exchange(d, known) else begin_exchange(d, known) end
     links[number] = links[number] or {}
     links[number][place] = known
     return known
   end
 
   local function show_link(d, link)
-    local request, tree = link.request, d.tree
-
-    if not request then return end
-    if d.access.is_answer then
-      set_generated(add(tree, FX.synaxpcp_request_in, d.tvb, 0, 0, request.frame))
-      S.add_ms(tree, FX.synaxpcp_response_time, d.tvb, link.elapsed)
-    elseif request.answer_in then
-      set_generated(add(tree, FX.synaxpcp_response_in, d.tvb, 0, 0, request.answer_in))
-    end
-  end
-
-  local function add_rest(d, which, offset)
-    if offset < d.end_ then add(d.tree, which, d.tvb, offset, d.end_ - offset) end
+    S.asked_show(link, d.tree, d.tvb, "synaxpcp_request_in", "synaxpcp_response_in", "synaxpcp_response_time")
   end
 
   local function say_short(d, needed)
@@ -10535,7 +10123,7 @@ do
     if length > there then
       add_expert(item, EX.synax_short, "The data are cut")
     else
-      add_rest(d, FX.synaxpcp_padding, DATA_AT + length)
+      add_bytes(d.tree, FX.synaxpcp_padding, d.tvb, DATA_AT + length, d.end_)
     end
     dissect_data(d, min(length, there), request)
   end
@@ -10545,7 +10133,7 @@ do
     local needed = d.access.is_write and DATA_AT or SUBINDEX_AT + 1
 
     if d.end_ < needed then
-      add_rest(d, FX.synaxpcp_raw, REFERENCE_END)
+      add_bytes(d.tree, FX.synaxpcp_raw, d.tvb, REFERENCE_END, d.end_)
       say_short(d, needed)
       return
     end
@@ -10555,7 +10143,7 @@ do
 
     show_link(d, link)
     if d.access.is_write then return dissect_length(d, link.request) end
-    add_rest(d, FX.synaxpcp_padding, SUBINDEX_AT + 1)
+    add_bytes(d.tree, FX.synaxpcp_padding, d.tvb, SUBINDEX_AT + 1, d.end_)
     dissect_data(d, 0, link.request)
   end
 
@@ -10573,17 +10161,17 @@ do
     add(item, FX.synaxpcp_error_additional, d.tvb, RESULT_END, 2)
     add_expert(item, EX.synax_error, words)
     d.pinfo.cols.info:append("  " .. words)
-    add_rest(d, FX.synaxpcp_raw, RESULT_END + 2)
+    add_bytes(d.tree, FX.synaxpcp_raw, d.tvb, RESULT_END + 2, d.end_)
   end
 
   -- Result 0, and the data read.
   local function dissect_result(d, request)
     add(d.tree, FX.synaxpcp_result, d.tvb, REFERENCE_END, 2)
     if d.access.is_write then
-      add_rest(d, FX.synaxpcp_raw, RESULT_END)
+      add_bytes(d.tree, FX.synaxpcp_raw, d.tvb, RESULT_END, d.end_)
       dissect_data(d, 0, request)
     elseif d.end_ < DATA_AT then
-      add_rest(d, FX.synaxpcp_raw, RESULT_END)
+      add_bytes(d.tree, FX.synaxpcp_raw, d.tvb, RESULT_END, d.end_)
       say_short(d, DATA_AT)
     else
       add(d.tree, FX.synaxpcp_padding, d.tvb, RESULT_END, 1)
@@ -10597,19 +10185,19 @@ do
     local request = link.request
 
     show_link(d, link)
-    if request then set_generated(add(d.tree, FX.synaxpcp_index_of_request, d.tvb, 0, 0, request.index)) end
+    add_generated(d.tree, FX.synaxpcp_index_of_request, d.tvb, request and request.index)
     if d.end_ >= RESULT_END and word_at(d, REFERENCE_END) == 0 then
       dissect_result(d, request)
     elseif d.end_ >= RESULT_END + 2 then
       dissect_error(d)
     else
-      add_rest(d, FX.synaxpcp_raw, REFERENCE_END)
+      add_bytes(d.tree, FX.synaxpcp_raw, d.tvb, REFERENCE_END, d.end_)
       say_short(d, d.end_ < RESULT_END and RESULT_END or RESULT_END + 2)
     end
   end
 
   local function dissect_other(d, code)
-    add_rest(d, FX.synaxpcp_raw, REFERENCE_END)
+    add_bytes(d.tree, FX.synaxpcp_raw, d.tvb, REFERENCE_END, d.end_)
     if not N.synaxpcp_services[code] then
       add_expert(d.root, EX.synax_note, strformat("Service code 0x%04x is not defined%s", code, rshift(code, 8) == 0x80
         and ": older controllers have such codes, and manuals differ in which is a request" or ""))
@@ -10622,11 +10210,11 @@ do
     local code = word_at(d, 0)
     local name = N.synaxpcp_services[code] or strformat("Service 0x%04x", code)
 
-    d.access = accesses[code]
+    d.access = read_access(code)
     append_text(d.root, ", " .. name)
     d.pinfo.cols.info:append(name)
     if d.end_ < REFERENCE_END then
-      add_rest(d, FX.synaxpcp_raw, HEAD_SIZE)
+      add_bytes(d.tree, FX.synaxpcp_raw, d.tvb, HEAD_SIZE, d.end_)
       say_short(d, REFERENCE_END)
       return
     end
@@ -10662,7 +10250,7 @@ do
   -- Less than a head, or cut by the capture: then a length is meaningless.
   local function dissect_stump(d, is_cut)
     d.pinfo.cols.info:append("Cut message")
-    if #d.bytes > 0 then add(d.tree, FX.synaxpcp_raw, d.tvb, 0, #d.bytes) end
+    add_bytes(d.tree, FX.synaxpcp_raw, d.tvb, 0, #d.bytes)
     if not is_cut then
       add_expert(d.root, EX.synax_short, "Service code and word count have 4 bytes")
     end
@@ -10742,7 +10330,7 @@ do
     local tree = parent:add(synaxpd, tvb(0, there))
 
     pinfo.cols.protocol = "SYNAXPD"
-    if direction then set_generated(add(tree, FX.synaxpd_direction, tvb, 0, 0, direction)) end
+    add_generated(tree, FX.synaxpd_direction, tvb, direction)
     for word = 0, count - 1 do
       add_word(tree, tvb, bytes, word)
     end
@@ -10920,18 +10508,20 @@ do
 
   -- Of both directions of a tap, or of a TCP connection: {command: the last one, list: the write whose elements are
   -- expected, is_asked: for the next of them, is_mute: what seemed to be an echo was a repeat: nobody echoes now,
-  -- drive: that is open}. A command: {said, list, body: for what is known of its parameter, values, frame, answer_in,
-  -- end_in, next_in, unanswered_before, repeat_of, error, is_echoed, drive, line, finish, finish_earliest}. A unit:
-  -- {kind, command, is_command, is_first, index, elapsed, span, drive, limit}.
+  -- drive: that is open}. A command: {said, list, body: for what is known of its parameter, values, asked: its line,
+  -- end_in, next_in, unanswered_before, repeat_of, error, is_echoed, drive}. A unit: what it asks, or answers if it is
+  -- the first line of an answer, and {kind, command, is_command, index, drive, limit}.
   local buses, units
 
   at_init(function() buses, units = {}, {} end)
 
-  local function is_waiting(command) return command ~= nil and not command.answer_in end
+  local function is_waiting(command) return command ~= nil and not command.asked.answer_in end
 
-  -- Nobody answers himself. A shared line does not show who has sent what.
-  local function can_answer(n, command)
-    return command and not command.end_in and (n.line == 0 or n.line ~= command.line)
+  -- Whether the last command may have this line as an answer.
+  local function can_answer(n)
+    local command = n.bus.command
+
+    return command and not command.end_in and S.may_answer(n.unit, command.asked)
   end
 
   local function is_same(n, command) return command and n.said.text == command.said.text end
@@ -10939,13 +10529,13 @@ do
   local function is_echo(n)
     local command = n.bus.command
 
-    return can_answer(n, command) and is_waiting(command) and is_same(n, command) and not command.is_echoed
-      and (n.line ~= 0 or not n.bus.is_mute and command.kind ~= OPEN)
+    return can_answer(n) and is_waiting(command) and is_same(n, command) and not command.is_echoed
+      and (n.unit.line ~= 0 or not n.bus.is_mute and command.kind ~= OPEN)
   end
 
   -- Characters that were lost or damaged since may have been the answer.
   local function is_disturbed(since)
-    local seen = packet.record and T.disturbance(packet.record)
+    local seen = packet.record and packet.record.known
 
     return seen and (seen.lost_in > since or seen.unframed_in > since)
   end
@@ -10956,15 +10546,13 @@ do
 
     if not is_waiting(before) then return end
     if before.is_echoed then n.bus.is_mute = true end
-    if is_same(n, before) then command.repeat_of = before.repeat_of or before.frame end
-    if is_disturbed(before.frame) then return end
-    before.next_in, command.unanswered_before = command.frame, before.frame
+    if is_same(n, before) then command.repeat_of = before.repeat_of or before.asked.frame end
+    if is_disturbed(before.asked.frame) then return end
+    before.next_in, command.unanswered_before = command.asked.frame, before.asked.frame
   end
 
   local function begin(n, kind)
-    local times = n.times
-    local command = {said = n.said, kind = kind, values = {}, frame = packet.number, line = n.line,
-      finish = times.end_, finish_earliest = times.end_earliest}
+    local command = {said = n.said, kind = kind, values = {}, asked = n.unit}
 
     n.unit.kind, n.unit.command, n.unit.is_command = kind, command, true
     follow(n, command)
@@ -10997,11 +10585,6 @@ do
     if said.value == ">" then n.bus.list = command else keep_value(command, said.value) end
   end
 
-  local function begin_open(n)
-    n.bus.drive, n.bus.list = n.said.drive, nil
-    begin(n, OPEN)
-  end
-
   -- What follows "?": an element, or "<" after the last one.
   local function begin_element(n)
     local command = begin(n, n.said.text == "<" and END or ELEMENT)
@@ -11013,18 +10596,11 @@ do
   end
 
   local function answer(n, kind)
-    local command, unit, times = n.bus.command, n.unit, n.times
+    local command = n.bus.command
 
-    unit.kind, unit.command = kind, command
+    n.unit.kind, n.unit.command = kind, command
     n.bus.is_mute = false
-    if not is_waiting(command) then return end
-    unit.is_first = true
-    command.answer_in = packet.number
-    unit.elapsed = T.elapsed(command.finish, times.begin)
-    unit.span = {least = 0, most = K.ANY_TIME}
-    if command.finish_earliest and times.begin_earliest then
-      unit.span = S.span_between(command.finish_earliest, command.finish, times)
-    end
+    if is_waiting(command) then S.asked_answer(n.unit, command.asked, n.times) end
   end
 
   local learnt = {[K.ELEMENT_NAME] = "name", [K.ELEMENT_UNIT] = "unit", [K.ELEMENT_MINIMUM] = "minimum",
@@ -11045,19 +10621,22 @@ do
   end
 
   local notes = {
-    [OPEN] = begin_open,
+    [OPEN] = function(n)
+      n.bus.drive, n.bus.list = n.said.drive, nil
+      begin(n, OPEN)
+    end,
     [READ] = begin_access,
     [WRITE] = begin_access,
     [PROMPT] = function(n)
       n.bus.drive = n.said.drive
-      if can_answer(n, n.bus.command) then
+      if can_answer(n) then
         answer(n, PROMPT)
         n.bus.command.end_in = packet.number
       end
       n.bus.list, n.bus.is_asked = nil, false
     end,
     [ASKS] = function(n)
-      if not can_answer(n, n.bus.command) then return end
+      if not can_answer(n) then return end
       answer(n, ASKS)
       n.bus.command.end_in = packet.number
       n.bus.is_asked = n.bus.list ~= nil
@@ -11065,7 +10644,7 @@ do
     [ERROR] = function(n)
       local command = n.bus.command
 
-      if not can_answer(n, command) then return end
+      if not can_answer(n) then return end
       answer(n, ERROR)
       local access = command.list or command
 
@@ -11076,7 +10655,7 @@ do
 
       if n.bus.is_asked and n.bus.list then
         begin_element(n)
-      elseif n.said.text ~= "" and can_answer(n, command) and command.kind ~= OPEN then
+      elseif n.said.text ~= "" and can_answer(n) and command.kind ~= OPEN then
         note_value(n)
       end
     end,
@@ -11087,7 +10666,7 @@ do
     local told = n.sis_bus.told
 
     if not packet.record then return end
-    S.bus_learn_limits(told, T.limits(packet.record))
+    S.bus_learn_limits(told, packet.record.known.limits)
     local limit = told.is_anything_told and S.bus_settings(told, K.ALL_STATIONS, n.times.begin)[K.TRS]
 
     if limit and limit.is_by_user then n.unit.limit = limit end
@@ -11108,13 +10687,14 @@ do
 
     packet.count = packet.count + 1
     if unit then return unit end
-    unit = {kind = said.kind}
+    unit = S.asked_new(times)
+    unit.kind, unit.line = said.kind, line_of(pinfo)
     units[key] = unit
     if packet.visited then return unit end
     effects = effects + 1
     local bus = S.exchange_bus(pinfo)
     buses[bus] = buses[bus] or {}
-    local n = {said = said, times = times, unit = unit, bus = buses[bus], sis_bus = bus, line = line_of(pinfo)}
+    local n = {said = said, times = times, unit = unit, bus = buses[bus], sis_bus = bus}
 
     find_limit(n)
     if is_echo(n) then
@@ -11244,14 +10824,6 @@ do
     end
   end
 
-  local function show_written(line, access, known)
-    if line.said.value == ">" then
-      line.words = line.words .. ", a list"
-    else
-      show_value(line, line.said.at + 4, line.said.value, access, known)
-    end
-  end
-
   -- The parameter of a command, or of the command that a line belongs to.
   local function show_parameter(line, access, known)
     local ident, element, is_here = access.said.ident, access.said.element, line.said.kind == access.said.kind
@@ -11264,11 +10836,6 @@ do
     if line.unit.kind == ECHO then return end
     line.words = line.words .. " " .. ident.text .. (known.name and " (" .. known.name .. ")" or "")
     if element ~= K.ELEMENT_DATA then line.words = line.words .. ", " .. string.lower(N.elements[element]) end
-  end
-
-  local function show_text(line)
-    add(line.tree, FX.sisascii_text, line.tvb, 0, line.length, line.said.text)
-    line.words = line.words .. strformat(' "%s"', line.said.text)
   end
 
   -- Codes of its own, else those of parameter services.
@@ -11296,7 +10863,7 @@ do
       drive)
 
     if is_here then line.words = strformat(" %d", drive) else set_generated(item) end
-    local station = set_generated(add(line.tree, F.station, line.tvb, 0, 0, drive))
+    local station = add_generated(line.tree, F.station, line.tvb, drive)
 
     if station then station:set_hidden() end
   end
@@ -11310,31 +10877,27 @@ do
       known = known_of(access)
       show_parameter(line, access, known)
     end
-    if unit.index then set_generated(add(line.tree, FX.sisascii_index, line.tvb, 0, 0, unit.index)) end
-    if kind == WRITE then
-      show_written(line, access, known)
+    add_generated(line.tree, FX.sisascii_index, line.tvb, unit.index)
+    if kind == WRITE and line.said.value == ">" then
+      line.words = line.words .. ", a list"
+    elseif kind == WRITE then
+      show_value(line, line.said.at + 4, line.said.value, access, known)
     elseif kind == ANSWER or kind == ELEMENT then
       show_value(line, 0, line.said.text, access, known)
     elseif kind == ERROR then
       show_error(line)
     elseif kind == TEXT or kind == ECHO then
-      show_text(line)
+      add(line.tree, FX.sisascii_text, line.tvb, 0, line.length, line.said.text)
+      line.words = line.words .. strformat(' "%s"', line.said.text)
     end
-  end
-
-  local function add_frame(line, which, frame)
-    if frame then set_generated(add(line.tree, which, line.tvb, 0, 0, frame)) end
   end
 
   local function show_verdict(line, limit_ms, source)
     local verdict = S.judge(line.unit.span, limit_ms * MS)
 
-    if line.tree then
-      set_generated(add_value(line.tree, F.trs_limit, line.tvb, 0, 0, nstime(limit_ms * MS),
-        limit_ms .. " ms" .. source))
-    end
-    if source ~= "" then add_frame(line, F.trs_set_in, line.unit.limit.set_in) end
-    local item = set_generated(add(line.tree, F.trs_verdict, line.tvb, 0, 0, verdict))
+    S.add_time(line.tree, F.trs_limit, line.tvb, limit_ms * MS, limit_ms .. " ms" .. source)
+    if source ~= "" then add_generated(line.tree, F.trs_set_in, line.tvb, line.unit.limit.set_in) end
+    local item = add_generated(line.tree, F.trs_verdict, line.tvb, verdict)
 
     if verdict == K.TIME_EXCEEDED then
       add_expert(item or line.root, E.trs_exceeded)
@@ -11348,7 +10911,7 @@ do
   local function show_time(line)
     local unit, times = line.unit, line.times
 
-    if not unit.is_first then return end
+    if not unit.request_in then return end
     if line.tree and S.is_measured(unit.elapsed, times) then
       S.add_ms(line.tree, F.reaction_time, line.tvb, unit.elapsed)
       S.add_column_ms(line.tree, F.reaction_time_ms, line.tvb, unit.elapsed)
@@ -11362,10 +10925,10 @@ do
   end
 
   local function show_command(line, command)
-    add_frame(line, F.reaction_in, command.answer_in)
-    add_frame(line, F.repeat_of, command.repeat_of)
-    add_frame(line, F.unanswered_before, command.unanswered_before)
-    add_frame(line, F.next_command_in, command.next_in)
+    add_generated(line.tree, F.reaction_in, line.tvb, command.asked.answer_in)
+    add_generated(line.tree, F.repeat_of, line.tvb, command.repeat_of)
+    add_generated(line.tree, F.unanswered_before, line.tvb, command.unanswered_before)
+    add_generated(line.tree, F.next_command_in, line.tvb, command.next_in)
     if command.repeat_of then
       add_expert(line.root, E.command_repeat)
       line.marks = line.marks .. "  [repeat]"
@@ -11384,7 +10947,7 @@ do
       show_command(line, command)
       return
     end
-    add_frame(line, F.command_in, command.frame)
+    add_generated(line.tree, F.command_in, line.tvb, command.asked.frame)
     show_time(line)
   end
 
@@ -11457,7 +11020,7 @@ do
     else
       line.said, line.unit = {text = S.text(bytes)}, {kind = TEXT}
     end
-    set_generated(add(root, FX.sisascii_kind, tvb, 0, 0, line.unit.kind))
+    add_generated(root, FX.sisascii_kind, tvb, line.unit.kind)
     show_drive(line)
     show_line(line)
     show_links(line)
@@ -11602,7 +11165,6 @@ do
   end
 
   DissectorTable.get("sertap.framing"):add(0, sis)
-  DissectorTable.get("sertap.told"):add(0, sis)
   DissectorTable.get("sertap.framing"):add(1, p3964r)
   DissectorTable.get("sertap.framing"):add(2, sisascii)
   DissectorTable.get("tcp.port"):add_for_decode_as(sis)

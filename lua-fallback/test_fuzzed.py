@@ -55,6 +55,6 @@ def test_an_input_and_its_bytes() -> None:
     packet = corpus.Packet(corpus.TCP, 3, corpus.QUIRK_CUT, -1, b"\2\0")
     sequence = corpus.Sequence(0x01020304, 5, 6, [packet])
     packed = corpus.pack(sequence)
-    assert packed == bytes.fromhex("04030201 05000000 06  0b 03 01 ffffffffffffffff 02000000 0200")
+    assert packed == bytes.fromhex("04030201 05000000 06  0a 03 01 ffffffffffffffff 02000000 0200")
     assert corpus.unpack(packed) == sequence
     assert corpus.unpack(packed[:-1]).packets == []

@@ -12,7 +12,7 @@ import pytest
 
 import parity
 from sisbus.devices.parameters import ident
-from sistap.commands.parameters import user_table
+from sistap.commands.parameters import writing
 from sistap.commands.parameters.backup import Saved, drives
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files import pcapng
@@ -84,7 +84,7 @@ def write(capture: Path, frames: list[bytes], framing: Framing = Framing.SIS) ->
 
 def tabled(folder: Path, monkeypatch: pytest.MonkeyPatch, station: str, *more: str) -> None:
     """Put the file where Wireshark looks."""
-    (folder / "sis_parameters").write_text("\n".join([*user_table.lines(DRIVE, station), *more]) + "\n")
+    (folder / "sis_parameters").write_text("\n".join([*writing.user_table(DRIVE, station), *more]) + "\n")
     monkeypatch.setitem(os.environ, "WIRESHARK_CONFIG_DIR", str(folder))
     monkeypatch.setitem(os.environ, "TMPDIR", str(folder))
 

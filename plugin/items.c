@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Items of the packet details that stand for no bytes. */
+/* Items of the packet details. */
 #include "items.h"
 
 proto_item *
@@ -15,6 +15,13 @@ proto_item *
 add_link(proto_tree *tree, int hf, tvbuff_t *tvb, uint32_t frame)
 {
     return frame != 0 ? add_generated(tree, hf, tvb, frame) : NULL;
+}
+
+void
+add_bytes(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset, unsigned end)
+{
+    if (end > offset)
+        proto_tree_add_item(tree, hf, tvb, offset, end - offset, ENC_NA);
 }
 
 void

@@ -16,12 +16,6 @@ kept_map_of_numbers(void)
     return kept_map(wmem_int64_hash, g_int64_equal);
 }
 
-wmem_map_t *
-kept_map_of_pointers(void)
-{
-    return kept_map(g_direct_hash, g_direct_equal);
-}
-
 void *
 kept_value(wmem_map_t *map, const void *key, size_t key_size, size_t size)
 {

@@ -19,10 +19,9 @@
         return memcmp(a, b, sizeof(type)) == 0;                                                              \
     }
 
-/* A map that is empty for every file; with 64-bit numbers as keys, and with pointers. */
+/* A map that is empty for every file; with 64-bit numbers as keys. */
 wmem_map_t *kept_map(GHashFunc hash, GEqualFunc are_equal);
 wmem_map_t *kept_map_of_numbers(void);
-wmem_map_t *kept_map_of_pointers(void);
 
 /* The value of a key in such a map: `size` bytes that begin with the key. The first time, all others are 0.
  */

@@ -13,13 +13,13 @@ void sertap_line_register(void);
 
 void sis_parameters_register(void);
 void sis_address_register(void);
+void sis_asked_register(void);
 void sis_routes_register(void);
 void sis_exchange_register(void);
 void sis_pieces_register(void);
 void sis_packet_register(void);
 void sis_packet_handoff(void);
 void sis_export_register(void);
-void sis_before_handoff(void);
 void sis_transports_handoff(void);
 
 void sisascii_register(void);
@@ -33,7 +33,6 @@ void synax_synaxpk_handoff(void);
 void rk512i_register(void);
 void rk512_3964r_register(void);
 void rk512_3964r_handoff(void);
-void synax_synaxobj_register(void);
 void synax_synaxobj_handoff(void);
 void synax_synaxpcp_register(void);
 void synax_synaxpd_register(void);

@@ -14,20 +14,11 @@ void proto_reg_handoff_sis(void);
 void
 proto_register_sis(void)
 {
-    protocol_register_sertap();
-    protocol_register_sis();
-    protocol_register_synax();
-    protocol_register_arcnet7f();
-    protocol_register_synaxpk();
-    protocol_register_rk512i();
-    protocol_register_3964r();
-    protocol_register_synaxobj();
-    protocol_register_synaxpcp();
-    protocol_register_synaxpd();
-    protocol_register_sisascii();
+    protocol_register();
     sertap_register();
     sertap_line_register();
     sis_address_register();
+    sis_asked_register();
     sis_parameters_register();
     sis_packet_register();
     sis_routes_register();
@@ -38,7 +29,6 @@ proto_register_sis(void)
     synax_synaxpk_register();
     rk512i_register();
     rk512_3964r_register();
-    synax_synaxobj_register();
     synax_synaxpcp_register();
     synax_synaxpd_register();
     sisascii_register();
@@ -57,7 +47,6 @@ proto_reg_handoff_sis(void)
 {
     sertap_handoff();
     sis_packet_handoff();
-    sis_before_handoff();
     sis_transports_handoff();
     rk512_3964r_handoff();
     synax_arcnet7f_handoff();

@@ -234,6 +234,10 @@ class Scenario:
     def _do_reaction(self, rest: str) -> None:
         self._add(data=self._built(rest, reaction=True))
 
+    def _do_before(self, rest: str) -> None:
+        self._read(rest)
+        self.items[-1].kind = record.Type.BEFORE
+
     def _do_byte(self, rest: str) -> None:
         index, value = rest.split()
         data = bytearray(self.items[-1].data)
@@ -311,8 +315,8 @@ class Scenario:
         body = struct.pack(">HB", index, 0) if operation.endswith("request") else bytes(3)
         if operation in {"write-request", "read-answer"}:
             body += bytes([len(held)]) + held
-        words = (2 + len(body) + 1) // 2
-        return struct.pack(">HHH", SERVICES[operation], words, 2) + body.ljust(2 * words - 2, b"\0")
+        size = (2 + len(body) + 1) // 2
+        return struct.pack(">HHH", SERVICES[operation], size, 2) + body.ljust(2 * size - 2, b"\0")
 
     def _payloads(self) -> list[bytes]:
         """Return the payloads of the packets, without the link type's own header."""

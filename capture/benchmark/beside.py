@@ -25,10 +25,11 @@ from typing import NamedTuple
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from sistap.dissected.captures.reading import NotCaptured, packets, record_of  # noqa: E402 - of the checkout
+from sistap.dissected.captures.reading import packets, record_of  # noqa: E402 - of the checkout
 from sistap.tap.common.quantiles import quantile  # noqa: E402
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag  # noqa: E402
 from sistap.tap.records.record import Record, Type  # noqa: E402
+from sistap.tap.terminal.exits import NotCaptured  # noqa: E402 - of the checkout
 
 SHARES = {"p50": 0.5, "p99": 0.99, "p99.9": 0.999, "longest": 1.0}
 

@@ -38,6 +38,7 @@ from telegrams import telegrams  # noqa: E402
 from sistap.dissected.captures import reading  # noqa: E402
 from sistap.tap.records.record import Event, Record, Type  # noqa: E402
 from sistap.tap.sis.telegram import build  # noqa: E402
+from sistap.tap.terminal.exits import NotCaptured  # noqa: E402
 
 PATIENCE_S = 120
 UNPLUG, END, KILL = "unplugged", "ended", "killed"
@@ -177,7 +178,7 @@ class Run:
             self.faults.append(f"exit code {code}: {self.recorder.said}")
         try:
             self._judge()
-        except reading.NotCaptured as error:
+        except NotCaptured as error:
             self.faults.append(str(error))
 
     def close(self) -> None:

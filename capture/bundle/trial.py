@@ -30,8 +30,9 @@ from commands import session  # noqa: E402
 from proxy import Proxy  # noqa: E402
 
 from sistap import __version__  # noqa: E402 - of the checkout
-from sistap.dissected.captures.reading import NotCaptured, records  # noqa: E402
+from sistap.dissected.captures.reading import records  # noqa: E402
 from sistap.tap.records.record import Type  # noqa: E402
+from sistap.tap.terminal.exits import NotCaptured  # noqa: E402
 
 MADE = CAPTURE.parent / "build/windows"
 FOLDER = MADE / "try"

@@ -16,9 +16,10 @@ import truth
 from machine import Guest, Program, eventually
 
 from drivers import Driver, Line, ProgramLine, Settings, State, Watch
-from sistap.dissected.captures.reading import NotCaptured, records
+from sistap.dissected.captures.reading import records
 from sistap.tap.line.settings import ERROR_FLAGS, Flag
 from sistap.tap.records.record import Event, Type
+from sistap.tap.terminal.exits import NotCaptured
 
 # A telegram that reads S-0-0036 of station 3. It has zeros, which a wrong break detection would take for breaks.
 TELEGRAM = bytes.fromhex("02 71 05 05 00 10 10 03 3c 00 24 00 00")

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from sistap.tap.line.drivers import Driver, Place
+from sistap.tap.line.drivers import Driver, ErrorPlace
 from sistap.tap.line.settings import Flag
 
 # Line status of a UART; LOST: characters were lost before this one.
@@ -105,8 +105,8 @@ def judged(line: Sequence[Character], found: Sequence[tuple[int, Flag]], driver:
             "a wrong character": verdicts["made_00"] and not is_dark,
             "a false break": verdicts["false_breaks"],
             "an innocent": verdicts["innocents"],
-            "a missing error": verdicts["missing"] and driver.place != Place.NOWHERE,
-            "an error without its place": verdicts["somewhere"] and driver.place == Place.CHARACTER,
+            "a missing error": verdicts["missing"] and driver.place != ErrorPlace.NOWHERE,
+            "an error without its place": verdicts["somewhere"] and driver.place == ErrorPlace.CHARACTER,
             "a missing loss": status & LOST and driver.counts and not is_told,
         }
         trouble += [f"{what} at {at}" for what, is_so in faults.items() if is_so]

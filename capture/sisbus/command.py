@@ -17,14 +17,14 @@ from sisbus.table import RATE
 from sisbus.wires import place
 from sisbus.wires.place import play
 from sisbus.wires.recording import Recording
-from sisbus.wires.wire import Log, Pace, Refusal
-from sistap.tap.common.writing import NotOpened, growing
-from sistap.tap.files.output import Output, OutputError, OutputRefused
+from sisbus.wires.wire import Log, Pace
+from sistap.tap.common.writing import growing
+from sistap.tap.files.output import Output
 from sistap.tap.line.clock import CLOCK
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.sis.rates import RATES
 from sistap.tap.terminal.console import STANDARD_OUTPUT, visible
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE
+from sistap.tap.terminal.exits import DONE, FAILED, Refusal
 from sistap.tap.terminal.stop import Stop
 from sistap.tap.terminal.writing import FORCE
 
@@ -61,8 +61,6 @@ exit status:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of `sistap bus`."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add("scenario", nargs="?", default=DEFAULT, metavar="SCENARIO", help=f"built-in, or FILE.toml (default {DEFAULT})")
     add("--list", action="store_true", help="list the built-in scenarios")
@@ -103,14 +101,13 @@ def run(args: argparse.Namespace) -> int:
     """Play the bus until its end or a signal; return the exit code. May raise PortError or PortLost."""
     if args.list:
         return _list()
-    try:
-        played, settings, how = _checked(args)
-        with _log(args.log, force=args.force) as log:
-            _play(args, played, settings, how, log, Stop.current())
-    except Refusal as refusal:
-        print(f"sistap bus: {visible(str(refusal))}", file=sys.stderr)
-        return refusal.code
-    return DONE
+    return place.refusing("bus", lambda: _run(args))
+
+
+def _run(args: argparse.Namespace) -> None:
+    played, settings, how = _checked(args)
+    with _log(args.log, force=args.force) as log:
+        _play(args, played, settings, how, log, Stop.current())
 
 
 def _list() -> int:
@@ -139,10 +136,10 @@ def _checked(args: argparse.Namespace) -> tuple[Scenario, LineSettings, Playing]
         end_ns = math.inf if args.duration is None else args.duration * 1e9
         return played, settings, Playing(args.seed, cycles, faults, _rates(args), end_ns)
     except ValueError as error:
-        raise Refusal(USAGE, str(error)) from error
+        raise Refusal(str(error)) from error
     except OSError as error:
         cure = "`sistap bus --list` names what is built in"
-        raise Refusal(USAGE, f"cannot read {args.scenario}: {error.strerror}; {cure}") from error
+        raise Refusal(f"cannot read {args.scenario}: {error.strerror}; {cure}") from error
 
 
 def _settings(args: argparse.Namespace, usual: LineSettings) -> LineSettings:
@@ -202,16 +199,13 @@ def _rates(args: argparse.Namespace) -> list[int]:
 
 
 def _log(path: str | None, *, force: bool) -> AbstractContextManager[Log | None]:
-    try:
-        return closing(Log(growing(path, force=force, cure="name another file with --log"))) if path else nullcontext()
-    except NotOpened as error:
-        raise Refusal(USAGE, str(error)) from error
+    return closing(Log(growing(path, force=force, cure="name another file with --log"))) if path else nullcontext()
 
 
 def _play(  # noqa: PLR0913 - what, how and where, and what goes with it
     args: argparse.Namespace, played: Scenario, settings: LineSettings, how: Playing, log: Log | None, stop: Stop
 ) -> None:
-    """Play it where it is to be played. May raise Refusal, PortError or PortLost."""
+    """Play it where it is to be played. May raise Refusal."""
     if not played.has_stations and not played.procedure:
         from sisbus.wires.talking import talk
 
@@ -247,17 +241,12 @@ def _meet(args: argparse.Namespace, settings: LineSettings, played: Scenario, ho
             answer(port, played.stations(args.seed), pace, noting)
     except OSError as error:
         saved = "; the log has what came before" if log else ""
-        raise Refusal(FAILED, f"the bus stopped: {error.strerror or error}{saved}") from error
+        raise Refusal(f"the bus stopped: {error.strerror or error}{saved}", FAILED) from error
     finally:
         port.close()
 
 
 def _recording(args: argparse.Namespace, settings: LineSettings, played: Scenario, stop: Stop) -> Recording:
-    try:
-        output = Output(args.file, stopped=lambda: stop.asked, force=args.force)
-        stop.at_once = False
-        return Recording(output, played, args.scenario, args.seed, settings, args.reads)
-    except OutputRefused as error:
-        raise Refusal(USAGE, str(error)) from error
-    except OutputError as error:
-        raise Refusal(FAILED, str(error)) from error
+    output = Output(args.file, stopped=lambda: stop.asked, force=args.force)
+    stop.at_once = False
+    return Recording(output, played, args.scenario, args.seed, settings, args.reads)

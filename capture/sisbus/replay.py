@@ -10,15 +10,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sisbus.playing.characters import Character, Played
+from sisbus.playing.characters import Played, SentCharacter
 from sisbus.wires import place
 from sisbus.wires.place import play
-from sisbus.wires.wire import Pace, Refusal
-from sistap.dissected.captures.reading import NotCaptured, records
+from sisbus.wires.wire import Pace
+from sistap.dissected.captures.reading import records
 from sistap.tap.line.settings import ERROR_FLAGS, Flag, LineSettings
 from sistap.tap.records.record import Record, Type
-from sistap.tap.terminal.console import visible
-from sistap.tap.terminal.exits import DONE, USAGE
+from sistap.tap.terminal.exits import NotCaptured, Refusal
 
 DESCRIPTION = """\
 Play a capture that sistap wrote: every character at its time. It goes to a pseudo terminal, to a socket, or, with
@@ -59,20 +58,13 @@ class Content(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("capture", type=Path, metavar="CAPTURE", help="a capture that sistap wrote")
     place.add_arguments(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Play the capture until its end or a signal; return the exit code. May raise PortError or PortLost."""
-    try:
-        _play(args)
-    except Refusal as refusal:
-        print(f"sistap replay: {visible(str(refusal))}", file=sys.stderr)
-        return refusal.code
-    return DONE
+    return place.refusing("replay", lambda: _play(args))
 
 
 def _play(args: argparse.Namespace) -> None:
@@ -81,9 +73,9 @@ def _play(args: argparse.Namespace) -> None:
         place.check(args)
         content = look(args.capture)
     except ValueError as error:
-        raise Refusal(USAGE, str(error)) from error
+        raise Refusal(str(error)) from error
     except OSError as error:
-        raise Refusal(USAGE, f"cannot read {args.capture}: {error.strerror}; name a capture file") from error
+        raise Refusal(f"cannot read {args.capture}: {error.strerror}; name a capture file") from error
     pace = Pace(simulated=args.fast)
     wire = place.opened(args, content.settings, pace)
     print(f"sistap replay: {content.characters} characters at {content.settings}", file=sys.stderr)
@@ -130,7 +122,7 @@ def _reads(path: Path, line: int, begin_ns: int) -> Iterator[Played]:
                 yield read
                 read = None
             read = read or Played(time_ns, b"", [], [], settings, line, record.uncertainty_ns)
-            read.characters.append(Character(time_ns, value, flags & Flag.FROM_READER))
+            read.characters.append(SentCharacter(time_ns, value, flags & Flag.FROM_READER))
             # A record has the largest uncertainty of its reads, so the smaller one belongs to this read.
             uncertainty_ns = min(read.uncertainty_ns, record.uncertainty_ns)
             read = read._replace(sent=read.sent + bytes([value]), uncertainty_ns=uncertainty_ns)
@@ -139,7 +131,7 @@ def _reads(path: Path, line: int, begin_ns: int) -> Iterator[Played]:
 
 
 def _with_characters(path: Path) -> Iterator[Record]:
-    return (record for record in records(path) if record.type != Type.EVENT and record.data)
+    return (record for record in records(path) if record.type in (Type.FRAME, Type.OTHER) and record.data)
 
 
 def _settings(record: Record) -> LineSettings:

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+# ruff: noqa: F403, F405 - for type checkers, the names are those of library
 """sistap: a passive tap for the SIS serial protocol that records the time of every character.
 
 It has three storeys: the tap; what tshark dissects; the commands. A room may use those named beside it, and what these
@@ -29,14 +30,14 @@ may use, never a room of a storey above; tests/test_rooms.py watches:
     commands/doctor       analyser, capture, explain  `sistap doctor`
     commands/extcap       all above                   Wireshark's interfaces
     commands/install      all above                   `sistap install` and `uninstall`
-    commands/imports        all above              `sistap import`
+    commands/imports      all above                   `sistap import`
     commands/report       all above                   `sistap report`
     commands/annotate     all above                   `sistap annotate` and `log`
     commands/parameters   all above                   `sistap parameters`
     commands/compare      all above                   `sistap compare`
     commands/tables       all above                   `sistap tables`
     commands/web          everything                  sistap in the page of a browser
-    library                 everything             sistap for other programs: `import sistap`
+    library               everything                  sistap for other programs: `import sistap`
     cli, __main__         everything                  the command `sistap`
 
 A capture needs the first six rooms alone: other readers, and the text of a live capture, are imported where they are
@@ -51,30 +52,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from sistap.library import (
-        Character,
-        Error,
-        Event,
-        Flag,
-        Framing,
-        LineSettings,
-        NotCaptured,
-        OutputError,
-        OutputRefused,
-        Packet,
-        PortError,
-        PortLost,
-        Record,
-        SourceError,
-        Tap,
-        Telegram,
-        TsharkError,
-        Type,
-        Writer,
-        dissect,
-        play,
-        read,
-    )
+    from sistap.library import *
 
 __version__ = "0.1.0"
 __all__ = [

@@ -14,9 +14,8 @@ from difflib import get_close_matches
 from typing import NoReturn
 
 import sistap
-from sistap.tap.line.reader import PortError, PortLost
 from sistap.tap.terminal.console import Console, end_standard_output, is_reader_gone, leave_standard_output, visible
-from sistap.tap.terminal.exits import DONE, FAILED, PORT, USAGE
+from sistap.tap.terminal.exits import DONE, FAILED, USAGE, Refusal
 from sistap.tap.terminal.stop import Stop, Stopped
 
 # The module of each command, imported only when it is called, and its line in the list of commands.
@@ -162,9 +161,10 @@ def parser(called: Container[str] = COMMANDS, listed: Iterable[str] = COMMANDS) 
         command = commands.add_parser(name, help=text, formatter_class=argparse.RawDescriptionHelpFormatter)
         if name in called:
             module = importlib.import_module(module_name)
-            module.add_arguments(command)
+            command.description, command.epilog = module.DESCRIPTION, examples(getattr(module, "EPILOG", ""))
+            if hasattr(module, "add_arguments"):
+                module.add_arguments(command)
             command.set_defaults(run=module.run, whole_parser=parser)
-            command.epilog = examples(command.epilog or "")
     return whole
 
 
@@ -177,14 +177,21 @@ def _run(arguments: Sequence[str], stop: Stop) -> int:
         Console().say(f"there is no command '{visible(called)}': did you mean `sistap {close[0]}`?")
         return USAGE
     args = parser({called}, [called] if arguments[0] in COMMANDS else COMMANDS).parse_args(arguments)
-    try:
-        with stop:
+    with stop:
+        try:
             code: int = args.run(args)
-            sys.stdout.flush()  # while a signal can still interrupt waiting for a slow reader
-    except (PortError, PortLost) as error:
-        Console().say(str(error))
-        code = PORT if isinstance(error, PortError) else FAILED
+        except Refusal as refusal:
+            code = _refused(refusal)
+        sys.stdout.flush()  # while a signal can still interrupt waiting for a slow reader
     return code
+
+
+def _refused(refusal: Refusal) -> int:
+    """Say why a command ends; return its exit code."""
+    console = Console()
+    console.progress("")  # that of the command may still be there
+    console.say(str(refusal))
+    return refusal.code
 
 
 def _open_standard_streams() -> None:

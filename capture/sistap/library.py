@@ -30,7 +30,6 @@ from types import UnionType
 from typing import TYPE_CHECKING, ParamSpec, Self, TypeVar
 
 from sistap.dissected.captures import reading
-from sistap.dissected.captures.reading import NotCaptured
 from sistap.dissected.captures.stream import Stream
 from sistap.dissected.telegrams.interpreter import Interpreter, Record, Telegram
 from sistap.tap.capture.options import CaptureOptions, checked, rate
@@ -47,7 +46,8 @@ from sistap.tap.records.record import Character, Event, Framing, Type
 from sistap.tap.records.record import Record as BareRecord
 from sistap.tap.sis.limits import milliseconds
 from sistap.tap.sis.rates import RATES
-from sistap.tap.terminal.exits import Error, UsageError
+from sistap.tap.terminal.exits import NotCaptured, Refusal
+from sistap.tap.terminal.exits import Refusal as Error
 
 if TYPE_CHECKING:
     from sisbus.library import Live
@@ -167,7 +167,6 @@ class _Collector:
 class _Messages:
     """Messages for people go to the logger `sistap`; the reason of an end is kept."""
 
-    shows_progress = False
     alarms = ""
 
     def say(self, text: str) -> None:
@@ -226,7 +225,7 @@ class Tap:
         )
         try:
             plan = checked(options)
-        except UsageError as error:
+        except Refusal as error:
             raise ValueError(str(error)) from None
         self._sink, self._messages, self._interpreter = _Collector(), _Messages(), Interpreter()
         self._lock = threading.RLock()  # of whoever uses the capture
@@ -390,7 +389,6 @@ def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator
     """
     from sistap.dissected.captures.portions import TOGETHER, in_turn
     from sistap.dissected.packets.dissection import FIELDS, Dissection
-    from sistap.dissected.wireshark.rows import NotACapture
     from sistap.dissected.wireshark.tshark import Tshark
     from sistap.tap.common import temporary
 
@@ -406,13 +404,10 @@ def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator
         captures = stack.enter_context(closing(in_turn([path], TOGETHER, _LOG.warning)))
         more = [field for field in fields if field not in FIELDS]
         dissection = Dissection(stack.enter_context(Tshark()), captures, more, keeps=False)
-        try:
-            for packet in stack.enter_context(dissection).packets():
-                if unknown := [field for field in more if field in dissection.missing]:
-                    raise ValueError(f"tshark knows no field {unknown[0]}")
-                yield packet
-        except NotACapture as error:
-            raise NotCaptured(str(error)) from None
+        for packet in stack.enter_context(dissection).packets():
+            if unknown := [field for field in more if field in dissection.missing]:
+                raise ValueError(f"tshark knows no field {unknown[0]}")
+            yield packet
         if dissection.warning:
             _LOG.warning(f"{path}: {dissection.warning}")
 

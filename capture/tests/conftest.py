@@ -14,6 +14,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+import once
 import pytest
 from hypothesis import settings
 from portable import SIGNALS, WINDOWS, lacking
@@ -43,6 +44,11 @@ class NotHere(pytest.Module):
 
 def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> pytest.Module | None:
     return NotHere.from_parent(parent, path=module_path) if lacking(module_path) else None
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _once(tmp_path_factory: pytest.TempPathFactory) -> None:
+    once.begin(tmp_path_factory)
 
 
 @pytest.fixture(scope="session")

@@ -17,7 +17,7 @@ from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
 from sistap.tap.records.record import Event
 
 PLC, PANEL, LAPTOP = 1, 2, 127
-BEGIN_S = 1_795_500_000.0  # 2026-11-24 05:20:00 UTC
+BEGIN_S = 1_795_500_000.0  # 2026-11-24 06:00:00 UTC
 DEVICE = 4
 RUNS, STANDS, FAULT, WARNING = 0xA0101, 0xA0012, 0xF2028, 0xE2051
 DIAGNOSIS, SPEED = "S-0-0390", "S-0-0040"

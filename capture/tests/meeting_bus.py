@@ -18,7 +18,7 @@ from typing import IO
 from answering_bus import FastPort, FastTime
 
 from sisbus.procedure3964 import rk512
-from sisbus.procedure3964.controls import S5, Memory, Ppc, Script
+from sisbus.procedure3964.controls import S5, ControlMemory, Ppc, Script
 from sisbus.procedure3964.partner import Partner
 from sisbus.procedure3964.rk512 import Head
 from sisbus.wires.answering import meet
@@ -55,7 +55,7 @@ def s5(seed: int, count: int, outcomes: list[bytes | None], *, high: bool) -> S5
 
 def ppc(*, high: bool) -> Ppc:
     """Return a PPC with these values."""
-    memory = Memory({(axis, b"\0\0\xed"): value for axis, value in VALUES.items()}, frozenset())
+    memory = ControlMemory({(axis, b"\0\0\xed"): value for axis, value in VALUES.items()}, frozenset())
     return Ppc(Partner(high=high), memory, 5_000_000, {})
 
 

@@ -18,12 +18,12 @@ from specification import TELEGRAMS
 from sistap.commands.annotate.annotating import Passage, annotate_live, annotate_recorded, record
 from sistap.commands.annotate.annotator import TextAnnotator
 from sistap.commands.annotate.choosing import AnyReader
-from sistap.commands.annotate.explaining import WholeCapture
-from sistap.commands.annotate.spool import Spool
+from sistap.commands.annotate.explaining import LiveCapture, WholeCapture
+from sistap.commands.annotate.spool import LogEntry, Spool
 from sistap.commands.annotate.textlog import LogLine, lines
 from sistap.dissected.explain.fields import Said, sentence
-from sistap.tap.common.writing import Incomplete
 from sistap.tap.records.record import Record
+from sistap.tap.terminal.exits import Refusal
 
 PHASE = TELEGRAMS["8-21"].hex(" ").upper()
 
@@ -47,7 +47,7 @@ class Sayer:
 
 def woven(batches: Iterable[list[LogLine]]) -> bytes:
     output = io.BytesIO()
-    annotate_live(batches, Passage(AnyReader()), Sayer(), TextAnnotator(output.write), output.flush)
+    annotate_live(batches, Passage(AnyReader()), cast(LiveCapture, Sayer()), TextAnnotator(output.write), output.flush)
     return output.getvalue()
 
 
@@ -110,8 +110,8 @@ def test_what_was_kept_meanwhile_is_explained_as_what_comes(log: str, encoding: 
 def test_no_room_to_keep_it(full: Path) -> None:
     with Spool() as spool:
         spool._blobs._file = full.open("w+b")
-        with pytest.raises(Incomplete, match="cannot keep the log: No space left on device; .* TMPDIR$"):
-            spool.put([(line, [], []) for line in lines([b"one line"])])
+        with pytest.raises(Refusal, match="cannot keep the log: No space left on device; .* TMPDIR$"):
+            spool.put([LogEntry(line, 0, []) for line in lines([b"one line"])])
 
 
 @given(st.binary())
@@ -200,7 +200,7 @@ def test_a_direction_that_keeps_silent_holds_up_only_so_many_lines() -> None:
             yield [line]
             sizes.append(shown.tell())
 
-    annotate_live(batches(), Passage(AnyReader()), Sayer(), TextAnnotator(shown.write), shown.flush)
+    annotate_live(batches(), Passage(AnyReader()), cast(LiveCapture, Sayer()), TextAnnotator(shown.write), shown.flush)
     assert sizes[-1] > 3900 * len(f"TX {PHASE}\n")
     assert without(shown.getvalue()) == log
     assert shown.getvalue().decode().splitlines()[-1].startswith("^-- (line 1) OTHER")

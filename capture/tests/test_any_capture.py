@@ -19,11 +19,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_capture import ACCEPT, SET_TRS, SET_TZA
 
-from sistap.commands.recorder.values import Value, Values, line
-from sistap.commands.recorder.watching import judges
+from sistap.commands.recorder.reasons import judges
+from sistap.commands.recorder.values import Value, ValueLines, line
 from sistap.dissected.accesses.access import Access
 from sistap.dissected.episodes.live import LIVE
-from sistap.dissected.explain.relay import Entry, Judged
+from sistap.dissected.explain.relay import Entry, JudgedEntry
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files import pcapng
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, LineSettings
@@ -183,7 +183,7 @@ COMMANDS = [
 ]
 
 
-class Told(Values):
+class Told(ValueLines):
     """Puts each value into a line."""
 
     def put(self, time_ns: int, accesses: Iterable[Access]) -> None:
@@ -224,5 +224,5 @@ def test_a_recorder_with_any_capture(made: Sequence[Made], tshark: Tshark) -> No
     with tempfile.TemporaryDirectory() as name:
         path = written(Path(name, "A"), made)
         for line in tshark.lines(["-r", str(path), *judge.arguments(None)]):
-            judge.reason(Judged(Entry(START_NS, b""), judge.columns(line)))
+            judge.reason(JudgedEntry(Entry(START_NS, b""), judge.columns(line)))
         judge.silent(START_NS + 10**12)

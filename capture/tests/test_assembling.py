@@ -14,7 +14,7 @@ from specification import TELEGRAMS
 from sistap.tap.capture import session
 from sistap.tap.capture.session import Capture
 from sistap.tap.capture.tap import Conditions
-from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.output import FileLimits, Output
 from sistap.tap.line.reader import PortLost, Reader
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.counters import Counters
@@ -110,8 +110,6 @@ class Sink:
 
 class Told:
     """Remembers the messages to the user, and how long the capture had been running."""
-
-    shows_progress = True
 
     def __init__(self, clock: Clock) -> None:
         self.said: list[tuple[int, str]] = []
@@ -322,7 +320,7 @@ def test_a_duration_ends_it_to_the_moment(tmp_path: Path) -> None:
 
 
 def test_a_full_file_ends_it(tmp_path: Path) -> None:
-    running = Running(tmp_path, Conditions(), output=Output(str(tmp_path / "x"), Limits(size=0)))
+    running = Running(tmp_path, Conditions(), output=Output(str(tmp_path / "x"), FileLimits(size=0)))
     assert running.run([came(MS, GOOD)]) == 0
     assert running.sink.data == []
 

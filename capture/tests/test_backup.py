@@ -14,9 +14,10 @@ import pytest
 from commands import refused, run
 from portable import fifos
 
-from sistap.commands.parameters.backup import Damaged, drives
+from sistap.commands.parameters.backup import drives
 from sistap.dissected.telegrams.attribute import Attribute
 from sistap.dissected.telegrams.values import decoded, encoded, same
+from sistap.tap.terminal.exits import Refusal
 
 PAR = Path(__file__).parent / "drive.par"
 CAPTURE = PAR.parents[2] / "test-captures" / "accesses.pcapng"
@@ -129,7 +130,7 @@ def test_only_files_of_a_likely_size(tmp_path: Path, kind: str) -> None:
     else:
         path.write_bytes(PAR.read_bytes())
         os.truncate(path, 1 << 30)
-    with pytest.raises(Damaged, match="not a file, or larger than 32 MB"):
+    with pytest.raises(Refusal, match="not a file, or larger than 32 MB"):
         drives(path)
 
 
@@ -151,7 +152,7 @@ def test_damaged(line: str, other: str, at: int, why: str, tmp_path: Path) -> No
     path = tmp_path / "damaged.par"
     path.write_bytes(TEXT.replace(line, other, 1).encode("latin-1"))
     number = TEXT[: TEXT.index(line)].count("\n") + 1 + at
-    with pytest.raises(Damaged) as caught:
+    with pytest.raises(Refusal) as caught:
         drives(path)
     assert why in str(caught.value)
     assert f"line {number}:" in str(caught.value) or "no backup" in why
@@ -270,7 +271,7 @@ def test_every_cut(tmp_path: Path) -> None:
         path.write_bytes(TEXT[:length].encode("latin-1"))
         try:
             (drive,) = drives(path)
-        except Damaged as error:
+        except Refusal as error:
             assert "save the" in str(error)
         else:
             assert len(drive.parameters) < 40 or TEXT[length:].strip() == ""

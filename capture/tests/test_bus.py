@@ -26,7 +26,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from portable import WINDOWS, posix, signals, sockets, terminals
 
-from sisbus.playing.characters import NO_FAULTS, Character, Faults, Played, hear, reads, uncertainty
+from sisbus.playing.characters import NO_FAULTS, Faults, Played, SentCharacter, hear, reads, uncertainty
 from sisbus.playing.player import Times
 from sisbus.scenarios.demo import commands, read_parameter
 from sisbus.scenarios.scenario import DEFAULT, Playing, load
@@ -285,7 +285,7 @@ def test_fault_options() -> None:
 def test_reads_and_their_uncertainty() -> None:
     # 1000 ns a character; five back to back but for a gap of 300 before the third; then a silence, then two
     times = [1000, 2000, 3300, 4300, 5300, 20000, 21000]
-    characters = [Character(time, 0x30 + index, 0) for index, time in enumerate(times)]
+    characters = [SentCharacter(time, 0x30 + index, 0) for index, time in enumerate(times)]
     grouped = [[character.time_ns for character in read] for read in reads(characters, 4, 1000)]
     assert grouped == [[1000, 2000, 3300, 4300], [5300], [20000, 21000]]
     # the first of four came 3300 before the read
@@ -688,7 +688,7 @@ def read_exactly(terminal: int, count: int) -> bytes:
 
 
 def character_run(values: bytes) -> Played:
-    return Played(0, values, [Character(0, value, 0) for value in values], [])
+    return Played(0, values, [SentCharacter(0, value, 0) for value in values], [])
 
 
 @terminals

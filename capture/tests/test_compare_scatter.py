@@ -9,8 +9,9 @@ from collections.abc import Iterable, Iterator
 
 import pytest
 
-from sistap.commands.compare.samples import MOST, Pieces, Samples
+from sistap.commands.compare.samples import MOST, Samples
 from sistap.commands.compare.scatter import counts_differ, middles_differ, tails_differ
+from sistap.dissected.packets.distribution import Distribution
 
 
 @pytest.mark.parametrize(
@@ -40,13 +41,11 @@ def samples(values: Iterable[float]) -> Samples:
 
 
 def test_pieces_are_few_and_lose_nothing() -> None:
-    pieces = Pieces()
-    for number in range(1000):
-        pieces.add([number % 2])
-    assert len(pieces.all) <= MOST
-    assert sum(piece.values for piece in pieces.all) == 1000
-    assert sum(piece.counts[1] for piece in pieces.all) == 500
-    assert {piece.values for piece in pieces.all[:-1]} == {pieces.length}
+    made = samples(10.0 ** (number % 2) for number in range(1000))
+    assert len(made.pieces) <= MOST
+    assert sum(piece.total() for piece in made.pieces) == 1000
+    assert sum(piece[Distribution.PER_DECADE] for piece in made.pieces) == 500  # the bin of 10
+    assert {piece.total() for piece in made.pieces[:-1]} == {made.length}
 
 
 def test_few_values_are_never_certain() -> None:

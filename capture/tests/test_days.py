@@ -25,7 +25,7 @@ from sisbus.scenarios.demo import read_parameter
 from sisbus.wires.taps import Taps
 from sisbus.wires.wire import Pace
 from sistap.tap.capture import session
-from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.output import FileLimits, Output
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.line.clock import Clock
@@ -113,7 +113,7 @@ def test_hours(hours: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         folder.mkdir()
         with monkeypatch.context() as patched:
             patched.setattr("sistap.tap.files.output.time.monotonic", lambda: machine.monotonic / 1e9)
-            output = Output(str(folder / "x"), Limits(duration_s=3600, several=True))
+            output = Output(str(folder / "x"), FileLimits(duration_s=3600, several=True))
             counters = Counters()
             sink = PcapngWriter(output, {0: Interface(252, "x")}, counters)
             capture = session.Capture([reader], sink, output, counters, Console(), clock_ns=lambda: machine.monotonic)

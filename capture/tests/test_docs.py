@@ -25,6 +25,7 @@ LONGER = {  # lists to look something up in
     *("CHANGELOG.md", "SECURITY.md", "plugin/REFERENCE.md", "test-captures/pages/glossary.md"),
     *(
         "capture/benchmark/README.md",
+        "capture/docs/kinds.md",
         "capture/sisbus/scenarios/README.md",
         "capture/sisbus/devices/sets/README.md",
     ),

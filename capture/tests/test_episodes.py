@@ -25,7 +25,7 @@ from sistap.dissected.episodes.episode import PACKETS, Episode, Hit
 from sistap.dissected.episodes.levels import Levels
 from sistap.dissected.episodes.rules import RULES, THRESHOLDS, Severity, Subject
 from sistap.dissected.episodes.silence import BusSilence, StationSilence
-from sistap.dissected.episodes.states import Rate
+from sistap.dissected.episodes.states import RateChanges
 from sistap.dissected.episodes.trend import trend
 from sistap.dissected.packets.dissection import Telegram
 from sistap.dissected.wireshark.rows import EVENT
@@ -226,7 +226,7 @@ def test_values_in_the_next_file_of_a_recorder_are_no_step() -> None:
 
 
 def test_what_a_file_begins_with_again_has_no_rate() -> None:
-    rate = Rate()
+    rate = RateChanges()
     said = [replace(packet(second), baud=baud) for second, baud in enumerate((19200, 9600, 19200, 9600))]
     said[1] = replace(said[1], type=EVENT, event=Event.CAPTURE_STARTED, is_again=True)
     assert [hit.from_s for one in said for hit in rate.add(one)] == [3]

@@ -12,6 +12,7 @@ from specification import TELEGRAMS
 
 from sistap.tap.capture import filter as bpf
 from sistap.tap.terminal.advice import advice
+from sistap.tap.terminal.exits import Refusal
 
 pytestmark = pytest.mark.tap
 
@@ -37,9 +38,9 @@ def test_a_telegram_shorter_than_the_filter_asks_for_does_not_pass() -> None:
 
 @libpcap
 def test_a_wrong_filter_is_told_in_the_words_of_libpcap() -> None:
-    with pytest.raises(bpf.FilterError, match=r"'link\[5': can't parse filter expression: syntax error"):
+    with pytest.raises(Refusal, match=r"'link\[5': can't parse filter expression: syntax error"):
         bpf.Filter("link[5")
-    with pytest.raises(bpf.FilterError):
+    with pytest.raises(Refusal):
         bpf.Filter("link[5] == ä")
 
 
@@ -48,5 +49,5 @@ def test_without_libpcap_it_names_the_package(monkeypatch: pytest.MonkeyPatch) -
         raise OSError(f"{name}: cannot open shared object file")
 
     monkeypatch.setattr(ctypes, "CDLL", missing)
-    with pytest.raises(bpf.FilterError, match=re.escape(advice().libpcap)):
+    with pytest.raises(Refusal, match=re.escape(advice().libpcap)):
         bpf.Filter("link[5] == 0x10")

@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
+import webbrowser
 from pathlib import Path
 
 import pytest
 
 from sistap import cli
-from sistap.commands.web import help as handbook
 from sistap.tap.common import pages
 
 
@@ -22,7 +22,8 @@ def test_it_opens_the_first_page(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shown: list[str] = []
-    monkeypatch.setattr(handbook, "show", shown.append)
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(webbrowser, "open", shown.append)
     first = folder / "docs" / "index.html"
     first.parent.mkdir()
     first.touch()

@@ -190,7 +190,8 @@ def test_an_adapter_that_somebody_has_named(
 
 
 @of_others
-def test_what_a_capture_says(capfd: pytest.CaptureFixture[str]) -> None:
+def test_what_a_capture_says(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Console, "shows_progress", True)
     tells: list[Callable[[str], None]] = [Console().say, Console().alarm, Console().progress]
     for tell in tells:
         tell(HOSTILE)

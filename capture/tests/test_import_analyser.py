@@ -19,10 +19,10 @@ from imported import Imported, run
 from sampled_wire import Sent, needs_sigrok, sampled
 
 from sistap.commands.imports.formats import opened
-from sistap.commands.imports.source import Told
+from sistap.commands.imports.source import Stated
 from sistap.tap.line.settings import Flag, LineSettings
 from sistap.tap.records.record import Framing, Type
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 CHARACTER_MS = 11 / 9.6
 TO_STOP_MS = 10.5 / 9.6  # from the start bit to the middle of the stop bit, 8E1
@@ -316,8 +316,8 @@ def test_an_export_that_is_cut_anywhere(tmp_path: Path, text: str) -> None:
         source.write_text(text[:length])
         try:
             with ExitStack() as tools:
-                found = [read.data[0] for read in opened(source, Told(9600, samplerate=1_000_000), tools).reads()]
-        except UsageError:
+                found = [read.data[0] for read in opened(source, Stated(9600, samplerate=1_000_000), tools).reads()]
+        except Refusal:
             found = []
         whole = text.rfind("\n", 0, length)
         assert len(found) >= text.count("0x", 0, whole) + text.count("data: ", 0, whole)

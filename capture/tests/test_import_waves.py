@@ -22,18 +22,18 @@ from sampled_wire import NS, Sent, edges
 from sistap.commands.imports import session
 from sistap.commands.imports import vcd as vcd_reader
 from sistap.commands.imports.formats import known
-from sistap.commands.imports.source import Told
+from sistap.commands.imports.source import Stated
 from sistap.commands.imports.wave import HEAD, Wave, opened
-from sistap.tap.analyser.finding import BAUDS, Line, find
+from sistap.tap.analyser.finding import BAUDS, Trace, find
 from sistap.tap.common.packed import unpack
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.records.record import Type
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 MHZ = 1_000_000
 TELEGRAMS = [bytes.fromhex(text) for text in ("02D7030300031003040700", "026C000000920000", "02560202109200000002")]
 SENT = b"".join(TELEGRAMS)
-NOTHING = Told()
+NOTHING = Stated()
 
 
 def bursts(settings: LineSettings, telegrams: Sequence[bytes] = TELEGRAMS, begin_ms: float = 1) -> list[Sent]:
@@ -86,7 +86,7 @@ class Found(NamedTuple):
     said: str
 
 
-def found(recording: Wave, told: Told = NOTHING) -> Found:
+def found(recording: Wave, told: Stated = NOTHING) -> Found:
     source = opened(Path("x"), recording, told)
     reads = list(source.reads())
     lines = [
@@ -127,7 +127,7 @@ def test_a_live_capture_finds_it_too(late_ns: int) -> None:
     """Its newest edges begin anywhere."""
     settings = LineSettings.parse(115200, "8N1")
     channel = trace(bursts(settings, TELEGRAMS * 5), 4 * MHZ, late_ns=late_ns)
-    reading = find(Line(channel[41:], is_high=False, end=channel[-1] + 4000), 4 * MHZ)
+    reading = find(Trace(channel[41:], is_high=False, end=channel[-1] + 4000), 4 * MHZ)
     assert reading
     assert reading.settings == settings
 
@@ -254,7 +254,7 @@ OTHERS = {
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_what_is_no_serial_line_is_refused(name: str) -> None:
-    with pytest.raises(UsageError, match="no channel with characters at a usual rate") as refused:
+    with pytest.raises(Refusal, match="no channel with characters at a usual rate") as refused:
         found(wave(4 * MHZ, **OTHERS[name]))
     clocks = [channel for channel in OTHERS[name] if channel in ("CLK", "SCL", "PWM")]
     assert all(f"{channel} is a clock" in str(refused.value) for channel in clocks)
@@ -288,9 +288,9 @@ def test_pulses_beside_the_bus_are_no_direction() -> None:
 
 def test_what_is_given_is_not_searched_for() -> None:
     recording = wave(MHZ, D0=trace(bursts(LineSettings.parse(9600, "8N1")), MHZ))
-    assert found(recording, Told(9600, "8N1")).said == "9600 Bd 8N1, as given; channel D0"
-    assert found(recording, Told(9600)).said == "9600 Bd 8N1, the rate as given; channel D0"
-    for told in (Told(19200), Told(9600, "8E1")):
+    assert found(recording, Stated(9600, "8N1")).said == "9600 Bd 8N1, as given; channel D0"
+    assert found(recording, Stated(9600)).said == "9600 Bd 8N1, the rate as given; channel D0"
+    for told in (Stated(19200), Stated(9600, "8E1")):
         source = opened(Path("x"), recording, told)
         assert str(source.settings) == str(told.settings)
         assert source.warning == (
@@ -305,35 +305,35 @@ def test_settings_that_make_characters_but_no_telegram_are_told(inverted: bool) 
     ends_ns = (Fraction(10 * MHZ + place * (settings.character_ns + 40_000)) for place in range(220))
     characters = [Sent(end_ns, value, settings) for end_ns, value in zip(ends_ns, TELEGRAMS[0] * 20, strict=True)]
     recording = wave(MHZ, D0=trace(characters, MHZ, inverted=inverted))
-    for told in (Told(9600, "8N1"), Told(format="8N1")):
+    for told in (Stated(9600, "8N1"), Stated(format="8N1")):
         source = opened(Path("x"), recording, told)
         assert "without a telegram of SIS" in source.settings_from
         assert source.warning == f"these are not the settings of this line: {better}"
-    with pytest.raises(UsageError, match=better):
-        opened(Path("x"), recording, Told(format="8O1"))
+    with pytest.raises(Refusal, match=better):
+        opened(Path("x"), recording, Stated(format="8O1"))
 
 
 def test_a_channel_that_is_named_is_taken() -> None:
     settings = LineSettings(9600)
     characters = bursts(settings)
     recording = wave(MHZ, A=trace(characters, MHZ), B=trace(characters, MHZ, inverted=True))
-    assert found(recording, Told(device="B")) == (
+    assert found(recording, Stated(device="B")) == (
         [SENT],
         "9600 Bd 8E1, found by the pulses; channel B, idle low (inverted)",
     )
-    assert found(recording, Told(device="A,B")).lines == [SENT, SENT]
+    assert found(recording, Stated(device="A,B")).lines == [SENT, SENT]
 
 
 def test_a_comma_may_be_in_a_name() -> None:
     channel = trace(bursts(LineSettings(9600)), MHZ)
     recording = Wave(MHZ, {"A,B": channel, "A": clock(100, 50, 500)}, channel[-1] + MHZ, MHZ)
-    assert found(recording, Told(device="A,B")) == ([SENT], "9600 Bd 8E1, found by the pulses; channel A,B")
+    assert found(recording, Stated(device="A,B")) == ([SENT], "9600 Bd 8E1, found by the pulses; channel A,B")
 
 
 def test_a_rate_that_changes_is_told() -> None:
     """Only the beginning is searched: 4000 edges. All of it is read."""
     slow, fast = bursts(LineSettings(9600)), bursts(LineSettings(115200), TELEGRAMS * 40, begin_ms=100)
-    source = opened(Path("x"), wave(2 * MHZ, D0=trace([*slow, *fast], 2 * MHZ)), Told(9600))
+    source = opened(Path("x"), wave(2 * MHZ, D0=trace([*slow, *fast], 2 * MHZ)), Stated(9600))
     assert "most characters are faulty: the settings change in the file" in source.warning
 
 
@@ -521,8 +521,8 @@ def test_a_recording_that_is_cut_anywhere(tmp_path: Path, form: Callable[[Path],
         path.write_bytes(data[:length])
         if opener := known(path):
             try:
-                heard = b"".join(read.data for read in opener(path, Told(9600, "8N1", MHZ, "RO")).reads())
-            except UsageError:
+                heard = b"".join(read.data for read in opener(path, Stated(9600, "8N1", MHZ, "RO")).reads())
+            except Refusal:
                 continue
             assert len(heard) <= len(TELEGRAMS[0]) or SENT.startswith(heard[:-1])  # a telegram tells the polarity
 
@@ -541,8 +541,8 @@ def test_damaged_recordings_are_read_or_refused(tmp_path: Path, form: Callable[[
         path.write_bytes(data)
         try:
             opener = known(path)
-            assert not opener or list(opener(path, chance.choice((NOTHING, Told(9600, device="RO")))).reads())
-        except UsageError:
+            assert not opener or list(opener(path, chance.choice((NOTHING, Stated(9600, device="RO")))).reads())
+        except Refusal:
             pass
 
 
@@ -618,7 +618,7 @@ def test_of_what_is_too_fast_for_a_line_only_the_beginning_is_kept(
     assert len(read.channels["RO"]) <= 2 * HEAD
     assert read.channels["DE"][:60_000] == recording.channels["DE"][:60_000]
     monkeypatch.setattr(session, "_MOST_EDGES", 60_000)
-    with pytest.raises(UsageError, match="edges: save it again with the channels of the bus only, or a part of it"):
+    with pytest.raises(Refusal, match="edges: save it again with the channels of the bus only, or a part of it"):
         session.read(tmp_path / "x", NOTHING)
 
 

@@ -20,10 +20,10 @@ from test_import_mutants import PIECES, damaged_bytes
 from sisbus import scenarios
 from sistap import cli
 from sistap.commands.extcap.toolbar import Toolbar
-from sistap.commands.install.ledger import Ledger, LedgerError
+from sistap.commands.install.ledger import Ledger
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.terminal import state
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE
+from sistap.tap.terminal.exits import DONE, FAILED, USAGE, Refusal
 from sistap.tap.wire import protocol
 from sistap.tap.wire.protocol import Decoder, Hello
 
@@ -67,7 +67,7 @@ def listed(path: Path) -> int:
     (state.folder() / "installed.json").write_bytes(path.read_bytes())
     try:
         assert isinstance(Ledger(for_all=False).files, list)
-    except LedgerError as error:
+    except Refusal as error:
         assert "\n" not in str(error)
         return FAILED
     return DONE

@@ -6,6 +6,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 import pytest
 
 from sistap.dissected.wireshark import folders
+from sistap.dissected.wireshark.tshark import TsharkError
 
 DEBIAN_40 = """\
 Temp:                	/tmp
@@ -169,5 +170,5 @@ def test_folders(
 
 def test_a_wireshark_without_lua() -> None:
     without = "".join(line for line in DEBIAN_40.splitlines(keepends=True) if "Lua" not in line)
-    with pytest.raises(folders.FoldersError, match="names no Personal Lua Plugins"):
+    with pytest.raises(TsharkError, match="names no Personal Lua Plugins"):
         folders.parse(without, for_all=False)

@@ -11,8 +11,9 @@ import pytest
 from portable import WINDOWS, fifos, links, posix
 
 import sistap.tap.terminal.state
-from sistap.commands.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.commands.install.ledger import ElsewhereError, Ledger
 from sistap.dissected.wireshark.folders import Own
+from sistap.tap.terminal.exits import Refusal
 from sistap.tap.terminal.state import StateError
 
 DEEP = pytest.param("[" * 100_000, id="deep")  # no variable of Windows can have such a name in it
@@ -170,7 +171,7 @@ def test_a_list_that_is_something_else(text: str) -> None:
     path = Ledger(for_all=False).path
     path.parent.mkdir()
     path.write_bytes(text.encode(errors="surrogateescape"))
-    with pytest.raises(LedgerError, match="is not what `sistap install` writes"):
+    with pytest.raises(Refusal, match="is not what `sistap install` writes"):
         Ledger(for_all=False)
 
 
@@ -184,7 +185,7 @@ def test_pipes(place: Path) -> None:
     assert ledger.put(place / "sis.lua", b"ours").startswith(f"kept     {place / 'sis.lua'}: ")
     ledger.path.parent.mkdir()
     os.mkfifo(ledger.path)
-    with pytest.raises(LedgerError, match="is not what `sistap install` writes"):
+    with pytest.raises(Refusal, match="is not what `sistap install` writes"):
         Ledger(for_all=False)
 
 

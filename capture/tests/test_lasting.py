@@ -13,7 +13,7 @@ import pytest
 from portable import descriptors
 
 from sistap.tap.files import lasting
-from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.output import FileLimits, Output
 
 pytestmark = pytest.mark.tap
 
@@ -83,7 +83,7 @@ def test_the_rest_is_there_at_the_end(tmp_path: Path, disk: Disk, monkeypatch: p
 
 
 def test_all_files_of_a_ring(tmp_path: Path, disk: Disk) -> None:
-    output = Output(str(tmp_path / "x"), Limits(size=1, several=True, keep=2))
+    output = Output(str(tmp_path / "x"), FileLimits(size=1, several=True, keep=2))
     names = []
     with output.lasting():
         for number in range(4):

@@ -12,18 +12,18 @@ import pytest
 
 from sistap.commands.recorder import recorder as recorder_module
 from sistap.commands.recorder.keeper import Around
+from sistap.commands.recorder.reasons import judges
 from sistap.commands.recorder.recorder import Recorder, Wanted
-from sistap.commands.recorder.watching import judges
 from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.captures import reading
 from sistap.dissected.episodes.episode import Hit, severity_of
-from sistap.dissected.episodes.live import FIELD, LIVE, Live
+from sistap.dissected.episodes.live import FIELD, LIVE, LiveEpisodes
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import Packet, Telegram
 from sistap.dissected.wireshark.rows import FRAME, OTHER
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files.pcapng import Interface
-from sistap.tap.records.record import Event
+from sistap.tap.records.record import Event, Type
 
 SECOND = 1_000_000_000
 HOUR_S, DAY_S = 3600.0, 86_400.0
@@ -34,7 +34,7 @@ class Bus:
     """A master and stations; what is told of them."""
 
     def __init__(self) -> None:
-        self.live = Live()
+        self.live = LiveEpisodes()
         self.told: list[Hit] = []
         self.now_s = self.heard_s = 0.0
 
@@ -256,8 +256,8 @@ def keep(tshark: Tshark, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ite
 
 def span_s(file: Path) -> tuple[float, float]:
     """Return when the first and the last record of a kept file came, in s of the night."""
-    events = (Event.CAPTURE_STARTED, Event.TOLD_BEFORE)
-    times = [record.time_ns for record in reading.records(file) if record.event not in events]
+    records = [one for one in reading.records(file) if one.event != Event.CAPTURE_STARTED and one.type != Type.BEFORE]
+    times = [record.time_ns for record in records]
     return min(times) / SECOND - planted.BEGIN_S, max(times) / SECOND - planted.BEGIN_S
 
 

@@ -13,7 +13,7 @@ from portable import posix
 from sistap.commands.web.opening import is_import, open_log
 from sistap.dissected.captures.reading import records
 from sistap.dissected.wireshark import window
-from sistap.tap.terminal.exits import DONE, FAILED, UsageError
+from sistap.tap.terminal.exits import DONE, FAILED, Refusal
 
 # Fig. 8-20, and what fig. 8-21 answers: in phase 2.
 ASKS, ANSWERS = "02 6C 00 00 00 92 00 00", "02 56 02 02 10 92 00 00 00 02"
@@ -51,7 +51,7 @@ def test_bytes_without_text(tmp_path: Path) -> None:
     ],
 )
 def test_what_has_no_telegrams_says_what_it_is(text: str, why: str, tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=why):
+    with pytest.raises(Refusal, match=why):
         opened(tmp_path, text)
 
 

@@ -10,10 +10,10 @@ import pytest
 
 from sistap.tap.capture import command
 from sistap.tap.capture.options import CaptureOptions, checked, rate
-from sistap.tap.files.output import Limits
+from sistap.tap.files.output import FileLimits
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.records.cut import PROCEDURE_3964R, Cut
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 pytestmark = pytest.mark.tap
 
@@ -47,14 +47,14 @@ def test_formats_are_looked_for_only_with_the_rate() -> None:
 
 def test_limits() -> None:
     ring = replace(PLAIN, file="x", ring={"filesize": 3.0, "files": 2.0}, autostop={"files": 5.0})
-    assert ring.limits == Limits(size=3000, duration_s=None, several=True, keep=2, files=5)
-    with pytest.raises(UsageError, match="need a file: say it with -w"):
+    assert ring.limits == FileLimits(size=3000, duration_s=None, several=True, keep=2, files=5)
+    with pytest.raises(Refusal, match="need a file: say it with -w"):
         replace(ring, file=None).limits  # noqa: B018 - it checks
 
 
 def test_what_they_come_to() -> None:
     assert checked(PLAIN) == (LineSettings(9600), None)
-    with pytest.raises(UsageError, match="--baud auto needs SIS telegrams"):
+    with pytest.raises(Refusal, match="--baud auto needs SIS telegrams"):
         checked(replace(PLAIN, baud=None, framing=Cut.parse("silence:5")))
 
 
@@ -64,11 +64,11 @@ def test_link_types_of_3964r(link_type: str) -> None:
 
 
 def test_what_does_not_go_with_3964r() -> None:
-    with pytest.raises(UsageError, match="--link-type user3 is for SIS telegrams.*: use upper-pdu or rtac"):
+    with pytest.raises(Refusal, match="--link-type user3 is for SIS telegrams.*: use upper-pdu or rtac"):
         checked(replace(PLAIN, file="x", framing=PROCEDURE_3964R, link_type="user3"))
-    with pytest.raises(UsageError, match="--baud auto needs SIS telegrams: leave out --framing"):
+    with pytest.raises(Refusal, match="--baud auto needs SIS telegrams: leave out --framing"):
         checked(replace(PLAIN, baud=None, framing=PROCEDURE_3964R))
-    with pytest.raises(UsageError, match="--follow-baud needs SIS telegrams: leave out --framing"):
+    with pytest.raises(Refusal, match="--follow-baud needs SIS telegrams: leave out --framing"):
         checked(replace(PLAIN, follow_baud=True, framing=PROCEDURE_3964R))
 
 
@@ -81,9 +81,7 @@ def test_what_does_not_go_with_3964r() -> None:
     ],
 )
 def test_times_of_two_clocks_are_not_mixed(ports: tuple[str, str]) -> None:
-    with pytest.raises(
-        UsageError, match="have two clocks, and their times cannot be compared: tap both at one computer"
-    ):
+    with pytest.raises(Refusal, match="have two clocks, and their times cannot be compared: tap both at one computer"):
         checked(replace(PLAIN, ports=ports))
 
 

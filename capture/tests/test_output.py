@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 from portable import descriptors, fifos, modes, posix, take_over_zone, terminals
 
-from sistap.tap.files.output import NO_LIMITS, Limits, Output, OutputError, OutputRefused, file_name
+from sistap.tap.files.output import NO_LIMITS, FileLimits, Output, OutputError, OutputRefused, file_name
 from sistap.tap.terminal.console import leave_standard_output, never_waiting
 
 pytestmark = pytest.mark.tap
@@ -31,7 +31,7 @@ if sys.platform != "win32":
 
 
 def test_a_single_file_is_done_when_it_is_full(tmp_path: Path) -> None:
-    output = Output(str(tmp_path / "x"), Limits(size=2))
+    output = Output(str(tmp_path / "x"), FileLimits(size=2))
     output.write(b"1")
     assert not output.done
     output.write(b"2")
@@ -40,7 +40,7 @@ def test_a_single_file_is_done_when_it_is_full(tmp_path: Path) -> None:
 
 
 def test_a_file_without_contents_is_none_to_be_opened(tmp_path: Path) -> None:
-    output = Output(str(tmp_path / "x"), Limits(size=2))
+    output = Output(str(tmp_path / "x"), FileLimits(size=2))
     assert output.written == "written to no file"
     output.close()
 
@@ -91,8 +91,8 @@ def test_a_file_is_emptied_only_when_the_capture_begins(tmp_path: Path) -> None:
     assert path.read_bytes() == b""
 
 
-@pytest.mark.parametrize("limits", [NO_LIMITS, Limits(size=10)])
-def test_a_file_that_holds_something_is_not_overwritten(tmp_path: Path, limits: Limits) -> None:
+@pytest.mark.parametrize("limits", [NO_LIMITS, FileLimits(size=10)])
+def test_a_file_that_holds_something_is_not_overwritten(tmp_path: Path, limits: FileLimits) -> None:
     path = tmp_path / "x"
     path.write_bytes(b"an older capture")
     with pytest.raises(OutputRefused, match="x holds data already: choose another file with -w, or overwrite it with"):
@@ -109,9 +109,9 @@ def test_a_new_file_is_gone_if_the_capture_does_not_begin(tmp_path: Path) -> Non
     assert not path.exists()
 
 
-@pytest.mark.parametrize("limits", [NO_LIMITS, Limits(duration_s=1, several=True)])
+@pytest.mark.parametrize("limits", [NO_LIMITS, FileLimits(duration_s=1, several=True)])
 @pytest.mark.parametrize("name", ["{}/missing/x", "{}", "{}/.", "{}/..", ".", "/"])
-def test_a_path_that_cannot_be_written_is_refused(tmp_path: Path, name: str, limits: Limits) -> None:
+def test_a_path_that_cannot_be_written_is_refused(tmp_path: Path, name: str, limits: FileLimits) -> None:
     with pytest.raises(OutputRefused, match="cannot be written: .*; choose another file with -w"):
         Output(name.format(tmp_path), limits)
 
@@ -247,7 +247,7 @@ def test_files_that_do_not_stay_are_not_said_to_be_there(tmp_path: Path) -> None
     for written, summary in ((1, "{0}"), (2, "2 files: {0} to {1}")):
         folder = tmp_path / str(written)
         folder.mkdir()
-        ring = Output(str(folder / "y"), Limits(size=1, several=True))
+        ring = Output(str(folder / "y"), FileLimits(size=1, several=True))
         for _ in range(written):
             ring.begin()
             ring.write(b"x")
@@ -492,7 +492,7 @@ def test_a_capture_started_anew_in_the_same_second_empties_nothing(
 ) -> None:
     monkeypatch.setattr(time, "time", lambda: 1_700_000_000.5)
     for content in (b"before", b"after"):
-        output = Output(str(tmp_path / "x"), Limits(duration_s=5, several=True))
+        output = Output(str(tmp_path / "x"), FileLimits(duration_s=5, several=True))
         output.begin()
         output.write(content)
         output.close()
@@ -500,7 +500,7 @@ def test_a_capture_started_anew_in_the_same_second_empties_nothing(
 
 
 def test_several_files_and_only_the_newest_kept(tmp_path: Path) -> None:
-    output = Output(str(tmp_path / "x.pcapng"), Limits(size=10, several=True, keep=2, files=4))
+    output = Output(str(tmp_path / "x.pcapng"), FileLimits(size=10, several=True, keep=2, files=4))
     output.begin()
     for number in range(1, 5):
         assert not output.full
@@ -522,7 +522,7 @@ def test_several_files_and_only_the_newest_kept(tmp_path: Path) -> None:
 def test_a_file_is_full_after_its_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     now = 100.0
     monkeypatch.setattr(time, "monotonic", lambda: now)
-    output = Output(str(tmp_path / "x"), Limits(duration_s=5, several=True))
+    output = Output(str(tmp_path / "x"), FileLimits(duration_s=5, several=True))
     output.begin()
     now = 104.9
     assert not output.full
@@ -537,7 +537,7 @@ def test_a_file_is_full_after_its_time(tmp_path: Path, monkeypatch: pytest.Monke
 
 def ring(tmp_path: Path, said: list[str]) -> Output:
     """Two files are kept, a byte fills one."""
-    output = Output(str(tmp_path / "x"), Limits(size=1, several=True, keep=2), say=said.append)
+    output = Output(str(tmp_path / "x"), FileLimits(size=1, several=True, keep=2), say=said.append)
     output.begin()
     output.write(b"1")
     return output

@@ -16,8 +16,8 @@ import pytest
 from portable import fifos, modes
 
 from sistap import cli
-from sistap.commands.recorder import packing, retention
-from sistap.commands.recorder.packing import pack
+from sistap.commands.recorder import retention
+from sistap.commands.recorder.retention import pack
 from sistap.dissected.captures.joining import check_captures
 from sistap.dissected.captures.reading import packets
 from sistap.dissected.wireshark.tshark import Tshark
@@ -155,7 +155,7 @@ def test_a_disk_that_becomes_full_leaves_the_file(folder: Path, room: bool, monk
 
     monkeypatch.setattr(gzip, "GzipFile", Disk)
     if room:
-        monkeypatch.setattr(packing, "disk_usage", lambda _: SimpleNamespace(free=len(before) - 1))
+        monkeypatch.setattr(retention, "disk_usage", lambda _: SimpleNamespace(free=len(before) - 1))
     with pytest.raises(OSError, match="No space left on device"):
         pack(path)
     assert path.read_bytes() == before and len(names(folder)) == 2

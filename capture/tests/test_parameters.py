@@ -14,7 +14,7 @@ from commands import refused, run
 from report_capture import Sent, write
 
 from sistap.dissected.accesses.access import Access, Parameter, accesses
-from sistap.dissected.accesses.listing import MOST, Listing, Place
+from sistap.dissected.accesses.listing import MOST, AccessPlace, Listing
 from sistap.tap.sis.telegram import build
 from sistap.tap.terminal.console import visible
 
@@ -160,7 +160,7 @@ def test_nothing_in_it(tmp_path: Path) -> None:
     assert done.stderr == "sistap: no parameter was read or written\n"
 
 
-PLACE = Place("file", 1, 0.0)
+PLACE = AccessPlace("file", 1, 0.0)
 WRITTEN = Access(Parameter("", "3", 5, "S-0-0030"), True, 16, "", "01", None, "01", "", "", "", "")
 
 

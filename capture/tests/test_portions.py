@@ -16,16 +16,15 @@ import pytest
 from sistap import cli
 from sistap.dissected.captures import portions, reading
 from sistap.dissected.captures.portions import Portion, in_turn
-from sistap.dissected.captures.reading import NotCaptured
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.packets.dissection import Dissection
 from sistap.dissected.packets.kept import Span
 from sistap.dissected.wireshark.tshark import Tshark
-from sistap.tap.common.writing import Incomplete
 from sistap.tap.files import pcapng
-from sistap.tap.files.output import Limits, Output
+from sistap.tap.files.output import FileLimits, Output
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.records.counters import Counters
+from sistap.tap.terminal.exits import NotCaptured, Refusal
 
 PORT = pcapng.Interface(252, "bus")
 PIECES = 6
@@ -45,7 +44,7 @@ def pieces(night: Path, folder: Path) -> list[Path]:
 
 def ring(night: Path, folder: Path) -> list[Path]:
     """Write a capture again, as several files. Each but the first begins with what was told before."""
-    output = Output(str(folder / "ring.pcapng"), Limits(size=night.stat().st_size // PIECES, several=True))
+    output = Output(str(folder / "ring.pcapng"), FileLimits(size=night.stat().st_size // PIECES, several=True))
     first, *rest = reading.records(night)
     writer = PcapngWriter(output, {0: PORT}, Counters())
     writer.begin(first)
@@ -186,7 +185,7 @@ def test_no_room_for_a_piece(night: Path, monkeypatch: pytest.MonkeyPatch) -> No
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(pcapng, "block", full)
-    with pytest.raises(Incomplete, match=r"cannot keep a part of the capture: .*; make room, .* TMPDIR"):
+    with pytest.raises(Refusal, match=r"cannot keep a part of the capture: .*; make room, .* TMPDIR"):
         next(in_turn([night], night.stat().st_size // PIECES, pytest.fail))
 
 

@@ -20,7 +20,7 @@ from sistap import cli
 from sistap.tap import ports as command
 from sistap.tap.analyser import probe
 from sistap.tap.line import drivers, ports
-from sistap.tap.line.drivers import Place
+from sistap.tap.line.drivers import ErrorPlace
 
 
 def put(file: Path, text: str) -> None:
@@ -81,7 +81,7 @@ def test_what_a_driver_says_about_line_errors(sysfs: Path) -> None:
         name: ports.adapter(f"/nowhere/{name}", sysfs).tells.place
         for name in ("ttyUSB0", "ttyUSB1", "ttyACM0", "ttyS0")
     }
-    assert list(told.values()) == [Place.PACKET, Place.NOWHERE, Place.READ, Place.CHARACTER]
+    assert list(told.values()) == [ErrorPlace.PACKET, ErrorPlace.NOWHERE, ErrorPlace.READ, ErrorPlace.CHARACTER]
     assert ports.adapter("/nowhere/ttyNONE0", sysfs).tells is drivers.UNKNOWN
 
 

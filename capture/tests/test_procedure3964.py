@@ -13,10 +13,10 @@ import pytest
 
 from sisbus.playing.characters import Played
 from sisbus.procedure3964 import rk512
-from sisbus.procedure3964.controls import Memory
+from sisbus.procedure3964.controls import ControlMemory
 from sisbus.procedure3964.partner import MS, Occasion, Partner, Saying, Trouble, packed
 from sisbus.procedure3964.procedure import _KINDS, _STEPS
-from sisbus.procedure3964.rk512 import Error, Head
+from sisbus.procedure3964.rk512 import Head, RkError
 from sisbus.scenarios import scenario
 from sisbus.scenarios.scenario import Playing, load
 from sistap import cli
@@ -223,10 +223,10 @@ def test_heads(name: str, axis: int, write: bool, last: bool, head: str) -> None
     assert Head.read(octets(head) + b"data") == made
 
 
-def memory() -> Memory:
+def memory() -> ControlMemory:
     place = 2, octets("00 00 ED")
     listed = 0, octets("02 00 0D")
-    return Memory({place: octets("00 07"), listed: octets("00 04 00 04") + b"ABCD"}, frozenset([listed]))
+    return ControlMemory({place: octets("00 07"), listed: octets("00 04 00 04") + b"ABCD"}, frozenset([listed]))
 
 
 @pytest.mark.parametrize(
@@ -267,7 +267,7 @@ def test_a_long_list_comes_in_data_blocks_the_last_number_first() -> None:
     for number, piece in rk512.blocks(bytes(head) + data):
         numbers.append((number, len(piece)))
         for telegram in rk512.sending(number, piece):
-            assert ppc.react(telegram).error == Error.NONE
+            assert ppc.react(telegram).error == RkError.NONE
     assert numbers == [(2, 3968), (1, 5126 - 3968)]
     assert ppc.parameters[0, octets("02 00 0D")] == data
 

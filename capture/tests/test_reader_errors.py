@@ -16,7 +16,7 @@ from real_captures import truth, unpacked
 
 from sistap.dissected.captures.reading import records
 from sistap.tap.line import drivers
-from sistap.tap.line.drivers import Place
+from sistap.tap.line.drivers import ErrorPlace
 from sistap.tap.line.reader.device import MarkDecoder
 from sistap.tap.line.reader.errors import MOST_READS, SILENCE_NS, Counts, Errors
 from sistap.tap.line.settings import ERROR_FLAGS, Flag, Read
@@ -552,10 +552,10 @@ def test_what_a_driver_says_is_told_and_nothing_else(driver: Simulated, seed: in
         assert sent.status or not flag & (BAD | BREAK), "an innocent"
         assert sent.status & BROKEN or not flag & BREAK, "a false break"
         assert lost or not sent.lost_before or not says.counts, "a loss outside its read"
-        if says.place == Place.CHARACTER:
+        if says.place == ErrorPlace.CHARACTER:
             assert bool(flag & (BAD | BREAK)) == bool(sent.status), "an error without its place"
             assert lost or sent.status or not flag, "a doubt without a reason"
-        elif says.place == Place.NOWHERE:
+        elif says.place == ErrorPlace.NOWHERE:
             assert not flag
         else:
             assert flag or not sent.status, "a missing error"

@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 from machines import access, undescribed
 
-from sistap.dissected.episodes.readings import RAW, Reading, class_of, code_of, is_running, raw_number, reading
+from sistap.dissected.episodes.readings import RAW, ValueReading, class_of, code_of, is_running, raw_number, reading
 
 WORDS = b"\x05\x00\x05\x00"  # the length of a text, and the longest
 
@@ -14,38 +14,38 @@ WORDS = b"\x05\x00\x05\x00"  # the length of a text, and the longest
 @pytest.mark.parametrize(
     ("ident", "data", "expected"),
     [
-        ("P-0-0123", b"\xff", Reading(-1.0, "-1", RAW)),
-        ("P-0-0123", b"\xf4\x01", Reading(500.0, "500", RAW)),
-        ("P-0-0123", b"\xff\x7f\xff\xff", Reading(-32769.0, "-32769", RAW)),
-        ("P-0-0123", b"\1\0\0\0\0\0\0\0", Reading(1.0, "1", RAW)),
-        ("P-0-0123", b"\1\2\3", Reading(None, "010203")),  # no length of a number
-        ("S-0-0390", b"\x28\x20\x0f\x00", Reading(None, "0x000F2028", "", 0xF2028)),
-        ("S-0-0390", b"\x28\xf2", Reading(None, "0xF228", "", 0xF228)),
-        ("S-0-0135", b"\x00\xc0", Reading(None, "0xC000", "", 0xC000)),
-        ("S-0-0051", b"\xff\xff\xff\xff", Reading(-1.0, "-1", RAW)),  # a position is a number
-        ("S-0-0095", WORDS + b"A0012", Reading(None, '"A0012"')),
-        ("S-0-0095", b"F228 Excess\0", Reading(None, '"F228 Excess"')),
-        ("S-0-0095", b"\x05\x00\x05\x00A001", Reading(None, '"\x05\x00\x05\x00A001"')),  # its length is another
+        ("P-0-0123", b"\xff", ValueReading(-1.0, "-1", RAW)),
+        ("P-0-0123", b"\xf4\x01", ValueReading(500.0, "500", RAW)),
+        ("P-0-0123", b"\xff\x7f\xff\xff", ValueReading(-32769.0, "-32769", RAW)),
+        ("P-0-0123", b"\1\0\0\0\0\0\0\0", ValueReading(1.0, "1", RAW)),
+        ("P-0-0123", b"\1\2\3", ValueReading(None, "010203")),  # no length of a number
+        ("S-0-0390", b"\x28\x20\x0f\x00", ValueReading(None, "0x000F2028", "", 0xF2028)),
+        ("S-0-0390", b"\x28\xf2", ValueReading(None, "0xF228", "", 0xF228)),
+        ("S-0-0135", b"\x00\xc0", ValueReading(None, "0xC000", "", 0xC000)),
+        ("S-0-0051", b"\xff\xff\xff\xff", ValueReading(-1.0, "-1", RAW)),  # a position is a number
+        ("S-0-0095", WORDS + b"A0012", ValueReading(None, '"A0012"')),
+        ("S-0-0095", b"F228 Excess\0", ValueReading(None, '"F228 Excess"')),
+        ("S-0-0095", b"\x05\x00\x05\x00A001", ValueReading(None, '"\x05\x00\x05\x00A001"')),  # its length is another
     ],
 )
-def test_bytes_that_nobody_describes(ident: str, data: bytes, expected: Reading) -> None:
+def test_bytes_that_nobody_describes(ident: str, data: bytes, expected: ValueReading) -> None:
     assert reading(undescribed(3, ident, data)) == expected
 
 
 @pytest.mark.parametrize(
     ("ident", "value", "number", "expected"),
     [
-        ("S-0-0040", "100.0 rpm", 100.0, Reading(100.0, "100.0 rpm", "rpm")),
-        ("S-0-0011", "0b0000 0000 0000 0011", None, Reading(None, "0b0000 0000 0000 0011", "", 3)),
+        ("S-0-0040", "100.0 rpm", 100.0, ValueReading(100.0, "100.0 rpm", "rpm")),
+        ("S-0-0011", "0b0000 0000 0000 0011", None, ValueReading(None, "0b0000 0000 0000 0011", "", 3)),
         ("P-0-0012", "0b0000 0000 0000 0011 (set and enable)", None, 3),
-        ("S-0-0011", "0b", None, Reading(None, "0b", "rpm")),
-        ("S-0-0390", "0x000F2028", 991272.0, Reading(None, "0x000F2028", "", 991272)),
-        ("P-0-4000", "0x00FF", 255.0, Reading(None, "0x00FF", "", 255)),
-        ("S-0-0012", "4", 4.0, Reading(None, "4", "", 4)),
+        ("S-0-0011", "0b", None, ValueReading(None, "0b", "rpm")),
+        ("S-0-0390", "0x000F2028", 991272.0, ValueReading(None, "0x000F2028", "", 991272)),
+        ("P-0-4000", "0x00FF", 255.0, ValueReading(None, "0x00FF", "", 255)),
+        ("S-0-0012", "4", 4.0, ValueReading(None, "4", "", 4)),
         ("S-0-0012", "", None, None),
     ],
 )
-def test_described_values(ident: str, value: str, number: float | None, expected: Reading | int | None) -> None:
+def test_described_values(ident: str, value: str, number: float | None, expected: ValueReading | int | None) -> None:
     said = reading(access(3, ident, value, number=number, unit="rpm"))
     assert (said and said.bits if isinstance(expected, int) else said) == expected
 

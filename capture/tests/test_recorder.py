@@ -24,22 +24,21 @@ from sistap.commands.recorder import notifier, retention
 from sistap.commands.recorder import recorder as recorder_module
 from sistap.commands.recorder.keeper import Around
 from sistap.commands.recorder.notifier import Notifier
-from sistap.commands.recorder.reasons import word
+from sistap.commands.recorder.reasons import Judge, judges, word
 from sistap.commands.recorder.recorder import Recorder, Wanted
-from sistap.commands.recorder.watching import Judge, judges
 from sistap.dissected.captures import reading
 from sistap.dissected.episodes.live import LIVE
-from sistap.dissected.explain.relay import Entry, Judged, Seams
+from sistap.dissected.explain.relay import Entry, JudgedEntry, Seams
 from sistap.dissected.explain.running import ordinary_children
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files import output as output_module
-from sistap.tap.files.output import Limits, Output, OutputError, file_name
+from sistap.tap.files.output import FileLimits, Output, OutputError, file_name
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.line import priority
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Event, Record, Type, event
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 SECOND = 1_000_000_000
 PATIENCE_S = 60
@@ -129,7 +128,7 @@ def test_each_file_has_its_window_and_each_record_once(
     for file, (since, until) in zip(files, windows, strict=True):
         started, *content = map(identity, reading.records(file))
         inside = [identity(record) for record in traffic[1:] if since <= record.time_ns <= until]
-        told = [one for one in reading.records(file) if one.event == Event.TOLD_BEFORE]
+        told = [one for one in reading.records(file) if one.type == Type.BEFORE]
         assert content == [*map(identity, told), *inside]
         assert bool(told) == (inside[0] != identity(traffic[1]))
         assert {started[0], *(one.time_ns for one in told)} == {inside[0][0]}
@@ -283,7 +282,7 @@ def test_a_ring_alone_is_compressed_up_to_its_newest_file(
     tshark: Tshark, traffic: list[Record], tmp_path: Path
 ) -> None:
     """So after kill -9 all files open, the newest up to its last whole record."""
-    output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
+    output = Output(str(tmp_path / "ring.pcapng"), FileLimits(size=50_000, several=True))
     ring = PcapngWriter(output, LINE, Counters())
     wanted = Wanted(tmp_path, by(tshark, "nothing"), Around(SECOND, SECOND), 5, compress=True)
     recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
@@ -294,7 +293,7 @@ def test_a_ring_alone_is_compressed_up_to_its_newest_file(
     assert packed and all(path.name.endswith(".pcapng.gz") for path in packed) and newest.suffix == ".pcapng"
     assert recorder.kept == 0 and "0 files kept" in recorder.summary(Counters())
     content = [record for file in (*packed, newest) for record in list(reading.records(file))[1:]]
-    assert [identity(one) for one in content if one.event != Event.TOLD_BEFORE] == list(map(identity, traffic[1:]))
+    assert [identity(one) for one in content if one.type != Type.BEFORE] == list(map(identity, traffic[1:]))
 
 
 @pytest.fixture
@@ -309,7 +308,7 @@ def clock_set_back(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_file_that_is_written_stays_when_the_clock_is_set_back(
     tshark: Tshark, traffic: list[Record], tmp_path: Path
 ) -> None:
-    output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
+    output = Output(str(tmp_path / "ring.pcapng"), FileLimits(size=50_000, several=True))
     ring = PcapngWriter(output, LINE, Counters())
     wanted = Wanted(tmp_path, by(tshark, "nothing"), Around(SECOND, SECOND), 5, ring_files=2, compress=True)
     recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
@@ -340,7 +339,7 @@ def fill(folder: Path, leaving: int) -> Path:
 def test_a_disk_without_room_for_a_compressed_ring(tshark: Tshark, traffic: list[Record], small_disk: Path) -> None:
     """The room that is left is the ring's. What stays as it is is said once, and compressed when there is room."""
     said: list[str] = []
-    output = Output(str(small_disk / "ring.pcapng"), Limits(size=50_000, several=True))
+    output = Output(str(small_disk / "ring.pcapng"), FileLimits(size=50_000, several=True))
     ring = PcapngWriter(output, LINE, Counters())
     wanted = Wanted(small_disk, by(tshark, "nothing"), Around(SECOND, SECOND), 5, compress=True)
     recorder = Recorder(wanted, tshark, LINE, said.append, ring=ring)
@@ -366,7 +365,7 @@ def test_a_disk_without_room_for_compressed_kept_files(tshark: Tshark, traffic: 
         small_disk, by(tshark, "sis.checksum.status == 0"), Around(SECOND // 5, SECOND // 10), 50, compress=True
     )
     recorder = Recorder(wanted, tshark, LINE, said.append)
-    ballast = fill(small_disk, leaving=30_000)
+    ballast = fill(small_disk, leaving=40_000)
     play(recorder, traffic)
     packed, left = sorted(small_disk.glob("*.gz")), kept(small_disk)
     assert packed and len(left) > 1 and {*packed, *left, ballast} == set(small_disk.iterdir())
@@ -377,7 +376,7 @@ def test_a_disk_without_room_for_compressed_kept_files(tshark: Tshark, traffic: 
 
 
 def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path) -> None:
-    output = Output(str(tmp_path / "ring.pcapng"), Limits(size=50_000, several=True))
+    output = Output(str(tmp_path / "ring.pcapng"), FileLimits(size=50_000, several=True))
     ring = PcapngWriter(output, LINE, Counters())
     wanted = Wanted(tmp_path, by(tshark, "faults"), Around(SECOND, SECOND), 5)
     recorder = Recorder(wanted, tshark, LINE, lambda said: pytest.fail(said), ring=ring)
@@ -386,7 +385,7 @@ def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path)
     files = sorted(tmp_path.glob("ring_*.pcapng"))
     assert len(files) > 1
     content = [record for file in files for record in list(reading.records(file))[1:]]
-    assert [identity(one) for one in content if one.event != Event.TOLD_BEFORE] == list(map(identity, traffic[1:]))
+    assert [identity(one) for one in content if one.type != Type.BEFORE] == list(map(identity, traffic[1:]))
 
 
 @pytest.mark.attack("the folder of a recorder is moved away", "a message; the capture goes on, the ring too")
@@ -477,9 +476,9 @@ def test_a_filter_becomes_a_word(filter_: str, expected: str) -> None:
 
 
 def test_a_wrong_filter_is_refused(tshark: Tshark) -> None:
-    with pytest.raises(UsageError, match=r"--keep 'sis.foo == 1': .*sis.foo"):
+    with pytest.raises(Refusal, match=r"--keep 'sis.foo == 1': .*sis.foo"):
         by(tshark, "faults", "sis.foo == 1")
-    with pytest.raises(UsageError, match="needs a filter"):
+    with pytest.raises(Refusal, match="needs a filter"):
         by(tshark, "faults", " ")
 
 
@@ -494,7 +493,7 @@ def test_every_fault_is_found_in_one_pass_and_has_its_reason(tshark: Tshark, tmp
         assert cli.main(["bus", *bus, "-w", str(path)]) == 0
         for judge in deciding:
             for line in tshark.lines(["-r", str(path), *judge.arguments(None)]):
-                reason = judge.reason(Judged(Entry(0, b""), judge.columns(line)))
+                reason = judge.reason(JudgedEntry(Entry(0, b""), judge.columns(line)))
                 found.add(reason.word if reason else "")
     assert found >= {"damaged", "lost", "line-error", "interval", "late", "error", "repeated", "silent", "write"}
 
@@ -624,7 +623,7 @@ def test_the_command_keeps_what_a_bus_does(tmp_path: Path, monkeypatch: pytest.M
     for file in kept(tmp_path / "kept"):
         started, *content = reading.records(file)
         assert started.event == Event.CAPTURE_STARTED and content
-        assert {identity(record) for record in content if record.event != Event.TOLD_BEFORE} <= known
+        assert {identity(record) for record in content if record.type != Type.BEFORE} <= known
 
 
 def test_kept_files_are_compressed_and_told_so(keep: Keep, tmp_path: Path) -> None:

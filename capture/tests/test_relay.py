@@ -17,7 +17,7 @@ from portable import signals
 from sistap import cli
 from sistap.commands.recorder.reasons import ByFilter
 from sistap.dissected.captures.reading import records
-from sistap.dissected.explain.relay import Entry, Judged, Relay, Seams
+from sistap.dissected.explain.relay import Entry, JudgedEntry, Relay, Seams
 from sistap.dissected.explain.running import Running
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files.pcapng import Interface
@@ -67,7 +67,7 @@ class Watched:
         self.tshark = tshark
         self.running: list[Running] = []
         self.said: list[str] = []
-        self.judged: list[Judged] = []
+        self.judged: list[JudgedEntry] = []
         self.relay = Relay(self.start, self.judge.columns, self.said.append, finds=True, seams=seams, clock_s=self.tick)
         self._seconds = itertools.count()
         self._blocks = Blocks({0: LINE})

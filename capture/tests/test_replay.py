@@ -17,11 +17,12 @@ from portable import posix, terminals
 from test_bus import BUS, TIMEOUT_S, drain, finish, listening_only_if_asked
 
 from sisbus.replay import look, played
-from sistap.dissected.captures.reading import NotCaptured, records
+from sistap.dissected.captures.reading import records
 from sistap.tap.files import pcapng
 from sistap.tap.line.settings import Flag, LineSettings
 from sistap.tap.records import record
 from sistap.tap.records.record import Event, Record, Type
+from sistap.tap.terminal.exits import NotCaptured
 
 REPLAY = [sys.executable, "-m", "sistap", "replay"]
 CAPTURE = [sys.executable, "-m", "sistap", "capture", "-q"]

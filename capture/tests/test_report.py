@@ -32,18 +32,18 @@ from sharkd import Sharkd
 from sistap.commands.report import page, plain, tables
 from sistap.commands.report.figures import Figures
 from sistap.commands.report.gather import Report, gather
-from sistap.commands.report.windows import PACKETS_KEPT, Window, parse
+from sistap.commands.report.windows import PACKETS_KEPT, ReportWindow, parse
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import FIELDS, UNRESOLVED, Dissection, Packet, packet_of
 from sistap.dissected.packets.kept import Span
 from sistap.dissected.wireshark.rows import info
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
-from sistap.tap.common.writing import Incomplete
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag
 from sistap.tap.records.record import Framing, Type
 from sistap.tap.sis.faults import FAULTS
 from sistap.tap.sis.telegram import build
+from sistap.tap.terminal.exits import Refusal
 
 CAPTURES = Path(__file__).parents[2] / "test-captures"
 CHARACTER_S = LINE.character_ns / 1e9
@@ -418,12 +418,12 @@ def test_no_room_to_keep_what_was_read(
     monkeypatch.setattr("tempfile.TemporaryFile", lambda prefix: full.open("w+b"))
     with Dissection(tshark, [Portion(capture)]) as dissection:
         list(dissection.packets())
-        with pytest.raises(Incomplete, match="cannot keep what was read of the capture: No space left .* TMPDIR$"):
+        with pytest.raises(Refusal, match="cannot keep what was read of the capture: No space left .* TMPDIR$"):
             list(dissection.again([]))
 
 
 def test_a_window_keeps_a_bounded_number_of_packets() -> None:
-    window = Window("", 0.0, 10.0)
+    window = ReportWindow("", 0.0, 10.0)
     for _ in range(PACKETS_KEPT + 7):
         window.add(a_packet())
     assert (len(window.packets), window.left_out) == (PACKETS_KEPT, 7)

@@ -20,7 +20,7 @@ from sistap.commands.report.gather import Report, gather
 from sistap.commands.report.page import page
 from sistap.commands.report.windows import parse
 from sistap.dissected.accesses.access import Access, Parameter
-from sistap.dissected.accesses.listing import Listing, Place
+from sistap.dissected.accesses.listing import AccessPlace, Listing
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.draw.panel import Area, Bar, Strokes, Text
 from sistap.dissected.draw.svg import stacked, svg
@@ -100,7 +100,7 @@ def test_below_the_answer_stands_what_its_short_names_mean(report: Report, text:
     known = Listing()
     for ident, name in (("S-0-0036", "Set"), ("P-0-0001", "Not told")):
         access = Access(Parameter("", "3", 7, ident), False, 16, "", "9", 9.0, "09", name, "", "", "")
-        known.add(Place("", 1, 0.0), access)
+        known.add(AccessPlace("", 1, 0.0), access)
     one = replace(report, episodes=happened, figures=replace(report.figures, parameters=known))
     assert tables.legend(one).split("; ")[1:] == ["S-0-0036: Set."]
 

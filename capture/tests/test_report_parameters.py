@@ -19,9 +19,9 @@ from sistap.commands.report.figures import Figures
 from sistap.commands.report.gather import Report, gather
 from sistap.commands.report.page import page
 from sistap.dissected.accesses.access import Access, Parameter
-from sistap.dissected.accesses.listing import Place
+from sistap.dissected.accesses.listing import AccessPlace
 from sistap.dissected.captures.portions import Portion
-from sistap.dissected.draw.panel import Bar, Dots, Line, Panel
+from sistap.dissected.draw.panel import Bar, Dots, Panel, Polyline
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.wireshark.tshark import Tshark
 
@@ -90,7 +90,7 @@ def panel(report: Report) -> Panel:
 def test_the_curve_has_all_values_and_limits(panel: Panel) -> None:
     lines: dict[str, list[list[float]]] = {}
     for mark in (mark for mark in panel.marks if not isinstance(mark, Bar)):
-        assert isinstance(mark, Line | Dots)
+        assert isinstance(mark, Polyline | Dots)
         lines.setdefault(mark.role, []).append([y for _, y in mark.points])
     assert lines["reaction"] == [[5.0, 5.0, 7.5, -3.0, -3.0]]
     assert lines["command"] == [[5.0, 7.5, -3.0]], "what was written has a dot"
@@ -107,7 +107,7 @@ def test_a_curve_of_diagnoses_has_their_numbers(report: Report) -> None:
     for second, number in enumerate((0xA0101, 0xA0101, 0xF2028, 0xA0102)):
         value = f"0x{number:08X}"
         access = Access(of_drive, False, 16, "", value, number, value, "", "", "", "")
-        figures.parameters.add(Place("", second, second), access)
+        figures.parameters.add(AccessPlace("", second, second), access)
         figures.curves.add(second, access)
     (drawing,) = plots.values(replace(report, figures=figures, episodes=[]))
     ((panel,),) = drawing.draw()

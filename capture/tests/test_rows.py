@@ -17,7 +17,8 @@ from sistap.commands.tables.rows import FIELDS as MORE
 from sistap.dissected.packets.apart import PACKED
 from sistap.dissected.packets.dissection import FIELDS
 from sistap.dissected.wireshark import wiregasm
-from sistap.dissected.wireshark.rows import JOINT, is_cut, is_no_capture, printing, safe, told
+from sistap.dissected.wireshark.rows import JOINT, printing, safe, told
+from sistap.dissected.wireshark.trouble import is_cut, is_no_capture
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.terminal.console import visible
 

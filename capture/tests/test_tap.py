@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import pytest
 
-from sistap.tap.capture.tap import Tap
+from sistap.tap.capture.tap import Tapping
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Event, Record
@@ -62,7 +62,7 @@ class Sink:
 
 
 class Tapped(NamedTuple):
-    tap: Tap
+    tap: Tapping
     ports: list[Port]
     sink: Sink
     counters: Counters
@@ -90,7 +90,7 @@ def both(monkeypatch: pytest.MonkeyPatch) -> Tapped:
     """Both directions of a line."""
     monkeypatch.setattr("sistap.tap.capture.tap.CLOCK", WallClock())
     ports, sink, counters = [Port(1), Port(2)], Sink(), Counters()
-    return Tapped(Tap(ports, sink, counters, lambda: 10), ports, sink, counters)
+    return Tapped(Tapping(ports, sink, counters, lambda: 10), ports, sink, counters)
 
 
 def test_a_sink_begins_with_how_each_line_is_taken(both: Tapped) -> None:
@@ -177,7 +177,7 @@ class Bus(Port):
 
 def test_a_bus_has_its_own_time_from_the_first_event_on() -> None:
     sink = Sink()
-    tap = Tap([Bus(0)], sink, Counters(), lambda: 10)
+    tap = Tapping([Bus(0)], sink, Counters(), lambda: 10)
     tap.begin({0: "begun"})
     assert sink.started[0].time_ns == EPOCH - 86_400 * SECOND
     tap.note(0, Event.MARKER, "then", EPOCH - 5)

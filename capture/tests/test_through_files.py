@@ -15,7 +15,7 @@ from sistap.dissected.captures import reading
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.packets.dissection import Dissection
 from sistap.dissected.wireshark.tshark import Tshark
-from sistap.tap.capture.tap import Tap
+from sistap.tap.capture.tap import Tapping
 from sistap.tap.files.output import Output
 from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.tap.files.writer import PcapngWriter
@@ -70,9 +70,9 @@ def report(capsys: pytest.CaptureFixture[str], capture: Path) -> str:
 def said_by_the_tap(monkeypatch: pytest.MonkeyPatch) -> str:
     monkeypatch.setattr("sistap.tap.capture.tap.CLOCK", Clock())
     noted: list[str] = []
-    monkeypatch.setattr(Tap, "note", lambda tap, number, code, text: noted.append(text))
-    monkeypatch.setattr(Tap, "reader", lambda tap, number: Port())
-    tap = Tap.__new__(Tap)
+    monkeypatch.setattr(Tapping, "note", lambda tap, number, code, text: noted.append(text))
+    monkeypatch.setattr(Tapping, "reader", lambda tap, number: Port())
+    tap = Tapping.__new__(Tapping)
     assert tap.note_clock_step(0)
     return noted[0]
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 import pytest
 from sampled_wire import NS, Sent, sampled
 
-from sistap.tap.analyser.finding import Line, find
+from sistap.tap.analyser.finding import Trace, find
 from sistap.tap.analyser.uart import Edges, Sampled, Uart
 from sistap.tap.line.settings import Flag, LineSettings
 
@@ -119,9 +119,9 @@ def test_other_settings_hold_from_the_next_character_on() -> None:
     assert edges.now == len(samples)
 
 
-def line(samples: bytes) -> Line:
+def line(samples: bytes) -> Trace:
     edges = Edges()
-    return Line(edges.feed(text(samples)), is_high=False, end=edges.now)
+    return Trace(edges.feed(text(samples)), is_high=False, end=edges.now)
 
 
 @pytest.mark.parametrize("samples", [b"", b"1" * 1000, b"0" * 1000, b"1" * 10 + b"0" + b"1" * 10, b"10" * 999])

@@ -20,9 +20,9 @@ from portable import posix
 from sistap import cli
 from sistap.commands.recorder import values as values_module
 from sistap.commands.recorder.keeper import Around
+from sistap.commands.recorder.reasons import judges
 from sistap.commands.recorder.recorder import Recorder, Wanted
-from sistap.commands.recorder.values import Value, Values, line
-from sistap.commands.recorder.watching import judges
+from sistap.commands.recorder.values import Value, ValueLines, line
 from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.captures import reading
 from sistap.dissected.episodes.live import LIVE
@@ -124,19 +124,19 @@ def wait_until(is_done: Callable[[], bool]) -> None:
 
 def test_a_refused_access_has_no_value() -> None:
     kept = Kept()
-    values = Values(kept.write)
+    values = ValueLines(kept.write)
     values.start(lambda said: pytest.fail(said))
     values.put(1, [access(error="0x8002"), access("", None), access("1 rpm", 1.0)])
     values.close()
     assert kept.heard.decode() == line(Value(1, access("1 rpm", 1.0))) + "\n"
 
 
-def hanging(monkeypatch: pytest.MonkeyPatch, said: list[str]) -> tuple[Kept, Values]:
+def hanging(monkeypatch: pytest.MonkeyPatch, said: list[str]) -> tuple[Kept, ValueLines]:
     """Return a reader that hangs with the value of time 0, and the values for it: ten can wait."""
     monkeypatch.setattr(values_module, "MOST", 10)
     kept = Kept()
     kept.may_go.clear()
-    values = Values(kept.write)
+    values = ValueLines(kept.write)
     values.put(0, [access()])
     values.start(said.append)
     wait_until(lambda: bool(values._unwritten) and not values._waiting)
@@ -193,7 +193,7 @@ def test_each_value_is_sent_once(tshark: Tshark, traffic: Path, tmp_path: Path, 
     told = tshark.output("-r", str(traffic), "-Y", "sis.access", *fields)
     answered = [line for line in told.splitlines() if '"value"' in line]
     kept = Kept()
-    values = Values(kept.write)
+    values = ValueLines(kept.write)
     deciding = judges(tshark, [keep], LIVE, values)
     wanted = Wanted(tmp_path, deciding, Around(0, 0), 100)
     line_0 = {0: Interface(252, "a line of a test")}

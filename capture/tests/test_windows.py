@@ -27,7 +27,7 @@ from sistap import cli
 from sistap.commands.install import shell, userpath
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError, environment
 from sistap.tap.analyser import probe
-from sistap.tap.capture.filter import FilterError, candidates, opened
+from sistap.tap.capture.filter import candidates, opened
 from sistap.tap.common import pages
 from sistap.tap.files.output import Output, ReaderGone
 from sistap.tap.line import measurement, ports
@@ -36,6 +36,7 @@ from sistap.tap.line.settings import LineSettings
 from sistap.tap.terminal import programs, state
 from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.console import Console, is_reader_gone
+from sistap.tap.terminal.exits import Refusal
 from sistap.tap.terminal.stop import Stop
 
 PATIENCE_S = 20
@@ -210,7 +211,7 @@ def test_the_libpcap_of_windows_is_that_of_npcap(monkeypatch: pytest.MonkeyPatch
         tried.append(name)
         raise OSError
 
-    with pytest.raises(FilterError, match="^a capture filter needs libpcap: install Npcap, which"):
+    with pytest.raises(Refusal, match="^a capture filter needs libpcap: install Npcap, which"):
         opened(names, load)
     assert tried == names
 
@@ -236,6 +237,7 @@ def test_progress_is_cut_to_a_terminal_that_windows_knows_by_its_number_alone(
         return os.terminal_size((10, 24))
 
     monkeypatch.setattr(os, "get_terminal_size", size)
+    monkeypatch.setattr(Console, "shows_progress", True)
     Console().progress("0123456789abc")
     assert capfd.readouterr().err == "\r\x1b[K012345678"
 

@@ -15,8 +15,9 @@ from commands import run, run_with
 from portable import fifos, links, modes, posix
 
 from sistap.commands.recorder import retention
-from sistap.tap.common.writing import Incomplete, NotOpened, opened
-from sistap.tap.files.output import Limits, Output, file_name
+from sistap.tap.common.writing import opened
+from sistap.tap.files.output import FileLimits, Output, file_name
+from sistap.tap.terminal.exits import Refusal
 
 HOUR_NS = 3600 * 1_000_000_000
 NAME = "x.out"  # of the file to write
@@ -46,7 +47,7 @@ def test_no_force_replaces_what_a_capture_writes(tmp_path: Path, grows: bool) ->
     output.begin()
     output.write(b"abc")
     with (
-        pytest.raises(NotOpened, match="is being written by a capture: name another file with -o"),
+        pytest.raises(Refusal, match="is being written by a capture: name another file with -o"),
         opened(str(tmp_path / "x"), force=True, grows=grows) as file,
     ):
         file.write(b"d")
@@ -93,7 +94,7 @@ def test_a_link_in_the_place_of_the_next_file(tmp_path: Path, monkeypatch: pytes
     ring, kept = tmp_path / "ring.pcapng", retention.new_name(tmp_path, HOUR_NS, "damaged")
     for foreseen in (Path(file_name(str(ring), 1, 1e9)), kept):
         foreseen.symlink_to(tmp_path / "victim")
-    output = Output(str(ring), Limits(several=True))
+    output = Output(str(ring), FileLimits(several=True))
     output.write(b"x")
     output.close()
     assert retention.new_name(tmp_path, HOUR_NS, "damaged") != kept
@@ -110,7 +111,7 @@ def test_a_pipe_in_the_place_of_the_next_file(tmp_path: Path, monkeypatch: pytes
     names = [Path(file_name(str(ring), 1, 1e9 + second)) for second in range(2)]
     os.mkfifo(names[0])
     monkeypatch.setattr("os.path.lexists", lambda _: False)
-    output = Output(str(ring), Limits(several=True))
+    output = Output(str(ring), FileLimits(several=True))
     output.write(b"x")
     output.close()
     assert names[1].read_bytes() == b"x"
@@ -193,14 +194,14 @@ def test_standard_output_has_several_names(place: Path) -> None:
 
 def test_a_failure_leaves_the_old_file(tmp_path: Path) -> None:
     (tmp_path / "x").write_text("old")
-    with pytest.raises(Incomplete, match="x is incomplete: No space"), opened(str(tmp_path / "x"), force=True) as file:
+    with pytest.raises(Refusal, match="x is incomplete: No space"), opened(str(tmp_path / "x"), force=True) as file:
         file.write(b"new")
         raise OSError(28, "No space left on device")
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("x", "old")]
 
 
 def test_what_came_meanwhile_stays(tmp_path: Path) -> None:
-    with pytest.raises(NotOpened, match="x holds data already"), opened(str(tmp_path / "x")):
+    with pytest.raises(Refusal, match="x holds data already"), opened(str(tmp_path / "x")):
         (tmp_path / "x").write_text("of another")
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("x", "of another")]
 

@@ -32,7 +32,6 @@ typedef struct {
     const sis_times_t *times;
     bus_t *bus;
     sisascii_unit_t *unit;
-    uint8_t line;
 } noting_t;
 
 static wmem_map_t *buses;
@@ -46,20 +45,16 @@ sisascii_place(const sisascii_command_t *command)
 static bool
 is_waiting(const sisascii_command_t *command)
 {
-    return command != NULL && command->answer_in == 0;
+    return command != NULL && command->asked->answer_in == 0;
 }
 
+/* Whether the last command may have this line as an answer. */
 static bool
-is_open(const sisascii_command_t *command)
+can_answer(const noting_t *n)
 {
-    return command != NULL && command->end_in == 0;
-}
+    const sisascii_command_t *command = n->bus->command;
 
-/* Nobody answers himself. A shared line does not show who has sent what. */
-static bool
-can_answer(const noting_t *n, const sisascii_command_t *command)
-{
-    return is_open(command) && (n->line == 0 || n->line != command->line);
+    return command != NULL && command->end_in == 0 && sis_may_answer(&n->unit->asked, command->asked);
 }
 
 static bool
@@ -73,8 +68,8 @@ is_echo(const noting_t *n)
 {
     const sisascii_command_t *command = n->bus->command;
 
-    return can_answer(n, command) && is_waiting(command) && is_same(n, command) && !command->is_echoed &&
-           (n->line != 0 || (!n->bus->is_mute && command->said.kind != SISASCII_OPEN));
+    return can_answer(n) && is_waiting(command) && is_same(n, command) && !command->is_echoed &&
+           (n->unit->asked.line != 0 || (!n->bus->is_mute && command->said.kind != SISASCII_OPEN));
 }
 
 /* Characters that were lost or damaged since may have been the answer. */
@@ -101,11 +96,11 @@ follow(const noting_t *n, sisascii_command_t *command)
     if (before->is_echoed)
         n->bus->is_mute = true;
     if (is_same(n, before))
-        command->repeat_of = before->repeat_of != 0 ? before->repeat_of : before->frame;
-    if (is_disturbed(n, before->frame))
+        command->repeat_of = before->repeat_of != 0 ? before->repeat_of : before->asked->frame;
+    if (is_disturbed(n, before->asked->frame))
         return;
-    before->next_in = command->frame;
-    command->unanswered_before = before->frame;
+    before->next_in = command->asked->frame;
+    command->unanswered_before = before->asked->frame;
 }
 
 static void
@@ -134,24 +129,13 @@ begin(const noting_t *n, sisascii_kind_t kind)
     command->said = *n->said;
     command->said.kind = kind;
     command->said.text = wmem_strdup(wmem_file_scope(), n->said->text);
-    command->frame = n->pinfo->num;
-    command->line = n->line;
-    command->end = n->times->end;
-    command->end_earliest = n->times->end_earliest;
-    command->is_bounded = n->times->is_bounded;
+    command->asked = &n->unit->asked;
     follow(n, command);
     command->has_drive = n->bus->has_drive;
     command->drive = n->bus->drive;
     n->bus->command = command;
     n->bus->is_asked = false;
     return command;
-}
-
-static void
-set_drive(const noting_t *n)
-{
-    n->bus->has_drive = true;
-    n->bus->drive = n->said->drive;
 }
 
 static void
@@ -179,14 +163,6 @@ begin_access(const noting_t *n)
         add_value(command, said->text + said->value_at);
 }
 
-static void
-begin_open(const noting_t *n)
-{
-    set_drive(n);
-    n->bus->list = NULL;
-    begin(n, SISASCII_OPEN);
-}
-
 /* What follows "?": an element, or "<" after the last one. */
 static void
 begin_element(const noting_t *n)
@@ -202,21 +178,6 @@ begin_element(const noting_t *n)
 }
 
 static void
-echo(const noting_t *n)
-{
-    n->unit->kind = SISASCII_ECHO;
-    n->unit->command = n->bus->command;
-    n->bus->command->is_echoed = true;
-}
-
-/* The access that a line completes: of an element, the list. */
-static sisascii_command_t *
-whole(sisascii_command_t *command)
-{
-    return command->list != NULL ? command->list : command;
-}
-
-static void
 answer(const noting_t *n, sisascii_kind_t kind)
 {
     sisascii_command_t *command = n->bus->command;
@@ -225,21 +186,8 @@ answer(const noting_t *n, sisascii_kind_t kind)
     unit->kind = kind;
     unit->command = command;
     n->bus->is_mute = false;
-    if (!is_waiting(command))
-        return;
-    unit->is_first = true;
-    command->answer_in = n->pinfo->num;
-    unit->elapsed = sertap_elapsed(command->end, n->times->begin);
-    unit->span = (sis_span_t){0, SIS_ANY_TIME};
-    if (command->is_bounded && n->times->is_bounded)
-        unit->span = sis_span_between(command->end_earliest, command->end, n->times);
-}
-
-static void
-end(const noting_t *n)
-{
-    n->unit->is_last = true;
-    n->bus->command->end_in = n->pinfo->num;
+    if (is_waiting(command))
+        sis_asked_answer(&unit->asked, command->asked, n->times);
 }
 
 /* Name, unit and limits, as the drive says them. An attribute as text is not documented. */
@@ -271,7 +219,7 @@ note_value(const noting_t *n)
 static void
 note_error(const noting_t *n)
 {
-    sisascii_command_t *access = whole(n->bus->command);
+    sisascii_command_t *command = n->bus->command, *access = command->list != NULL ? command->list : command;
 
     answer(n, SISASCII_ERROR);
     access->has_error = true;
@@ -281,10 +229,11 @@ note_error(const noting_t *n)
 static void
 note_prompt(const noting_t *n)
 {
-    set_drive(n);
-    if (can_answer(n, n->bus->command)) {
+    n->bus->has_drive = true;
+    n->bus->drive = n->said->drive;
+    if (can_answer(n)) {
         answer(n, SISASCII_PROMPT);
-        end(n);
+        n->bus->command->end_in = n->pinfo->num;
     }
     n->bus->list = NULL;
     n->bus->is_asked = false;
@@ -293,21 +242,19 @@ note_prompt(const noting_t *n)
 static void
 note_asking(const noting_t *n)
 {
-    if (!can_answer(n, n->bus->command))
+    if (!can_answer(n))
         return;
     answer(n, SISASCII_ASKS);
-    end(n);
+    n->bus->command->end_in = n->pinfo->num;
     n->bus->is_asked = n->bus->list != NULL;
 }
 
 static void
 note_text(const noting_t *n)
 {
-    const sisascii_command_t *command = n->bus->command;
-
     if (n->bus->is_asked && n->bus->list != NULL)
         begin_element(n);
-    else if (n->said->text[0] != '\0' && can_answer(n, command) && command->said.kind != SISASCII_OPEN)
+    else if (n->said->text[0] != '\0' && can_answer(n) && n->bus->command->said.kind != SISASCII_OPEN)
         note_value(n);
 }
 
@@ -315,12 +262,17 @@ static void
 note_line(const noting_t *n)
 {
     if (is_echo(n)) {
-        echo(n);
+        n->unit->kind = SISASCII_ECHO;
+        n->unit->command = n->bus->command;
+        n->bus->command->is_echoed = true;
         return;
     }
     switch (n->said->kind) {
     case SISASCII_OPEN:
-        begin_open(n);
+        n->bus->has_drive = true;
+        n->bus->drive = n->said->drive;
+        n->bus->list = NULL;
+        begin(n, SISASCII_OPEN);
         break;
     case SISASCII_READ:
     case SISASCII_WRITE:
@@ -333,7 +285,7 @@ note_line(const noting_t *n)
         note_asking(n);
         break;
     case SISASCII_ERROR:
-        if (can_answer(n, n->bus->command))
+        if (can_answer(n))
             note_error(n);
         break;
     default:
@@ -388,11 +340,12 @@ const sisascii_unit_t *
 sisascii_find(packet_info *pinfo, const sisascii_said_t *said, const sis_times_t *times)
 {
     sisascii_unit_t *unit = kept_of_packet(pinfo, proto_sisascii, number_in_packet(pinfo), sizeof *unit);
-    noting_t n = {pinfo, said, times, NULL, unit, line_of(pinfo, sertap_record(pinfo))};
+    noting_t n = {pinfo, said, times, NULL, unit};
 
-    if (unit->frame != 0)
+    if (unit->asked.frame != 0)
         return unit;
-    unit->frame = pinfo->num;
+    sis_asked_note(&unit->asked, pinfo, times);
+    unit->asked.line = line_of(pinfo, sertap_record(pinfo));
     unit->kind = said->kind;
     if (pinfo->fd->visited)
         return unit;

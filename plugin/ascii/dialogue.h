@@ -6,8 +6,8 @@
 
 #include "parameters/learned.h"
 #include "protocol/codes.h"
+#include "sis/asked.h"
 #include "sis/bus.h"
-#include "sis/times.h"
 
 /* What a line says by itself. A line that says nothing of all this is a text. */
 typedef struct {
@@ -29,27 +29,21 @@ typedef struct sisascii_command {
     const sis_twin_t *twin;        /* the same of a device of its type; NULL: nothing */
     wmem_strbuf_t *value;          /* what was read or written, elements with ", " between */
     unsigned count;                /* of the elements in it */
-    uint32_t frame;
-    uint32_t answer_in, end_in, next_in; /* 0: none. The end is a prompt, or "?" */
+    sis_asked_t *asked;            /* of its line */
+    uint32_t end_in, next_in;      /* 0: none. The end is a prompt, or "?" */
     uint32_t unanswered_before, repeat_of;
     uint16_t error; /* 0: none */
     bool has_error, has_drive, is_echoed;
-    uint8_t drive, line;
-    int64_t end, end_earliest; /* of its last character, ns */
-    bool is_bounded;
+    uint8_t drive;
 } sisascii_command_t;
 
-/* A line, with the results of the first pass. */
+/* A line, with the results of the first pass. The tap "sisascii" receives answers whose time was measured. */
 typedef struct {
-    uint32_t frame;
+    sis_asked_t asked; /* it answers if it is the first line of an answer */
     sisascii_kind_t kind;
     sisascii_command_t *command; /* this is, or belongs to; NULL: none is known */
     bool is_command;             /* this is it */
-    bool is_first;               /* of the answer */
-    bool is_last;
     unsigned number; /* of a value in its list, from 1; 0: it is none, or the first that was read */
-    int64_t elapsed; /* of the first line of an answer, since the command, ns */
-    sis_span_t span; /* the same, with its bounds */
     bool has_drive;
     uint8_t drive;       /* the one that is open */
     sis_setting_t limit; /* the user's TrS; value 0: none */

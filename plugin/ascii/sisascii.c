@@ -2,16 +2,13 @@
 /* The ASCII protocol of ECODRIVE and IndraDrive, a line or a prompt a packet, as MPH-02 (p. 10-86 to 10-91)
  * and public clients for DKCxx.3 drives have it. BCD:21 opens the connection to drive 21, whose prompt is
  * E21:>. S-0-0051,7,R reads, and S-0-0044,7,W,VALUE writes an element; after ">" each element of a list
- * follows a "?", and
- * "<" ends it. "#" and four digits are an error. */
+ * follows a "?", and "<" ends it. "#" and four digits are an error. */
 
-#include "ascii/sisascii.h"
+#include "ascii/dialogue.h"
 
 #include <epan/tap.h>
 
-#include "ascii/dialogue.h"
 #include "parameters/ident.h"
-#include "parameters/text.h"
 #include "parameters/values.h"
 #include "items.h"
 #include "parts.h"
@@ -62,18 +59,6 @@ take_drive(sisascii_said_t *said, sisascii_kind_t kind, const char *before, cons
     return true;
 }
 
-static bool
-take_open(sisascii_said_t *said)
-{
-    return take_drive(said, SISASCII_OPEN, "BCD:", "");
-}
-
-static bool
-take_prompt(sisascii_said_t *said)
-{
-    return take_drive(said, SISASCII_PROMPT, "E", ":>");
-}
-
 /* S-0-0051,7,R or S-0-0044,7,W,VALUE; r and w may be small. */
 static bool
 take_access(sisascii_said_t *said)
@@ -93,37 +78,26 @@ take_access(sisascii_said_t *said)
     return true;
 }
 
-static bool
-take_asking(sisascii_said_t *said)
-{
-    if (strcmp(said->text, "?") != 0)
-        return false;
-    said->kind = SISASCII_ASKS;
-    return true;
-}
-
 /* #7008 */
-static bool
+static void
 take_error(sisascii_said_t *said)
 {
     if (said->text[0] != '#' || strspn(said->text + 1, "0123456789abcdefABCDEF") != ERROR_DIGITS ||
         said->text[1 + ERROR_DIGITS] != '\0')
-        return false;
+        return;
     said->kind = SISASCII_ERROR;
     said->at = 1;
     said->error = (uint16_t)strtoul(said->text + 1, NULL, 16);
-    return true;
 }
 
 static void
 read_line(sisascii_said_t *said)
 {
-    static bool (*const kinds[])(sisascii_said_t *) = {take_open, take_prompt, take_access, take_asking,
-                                                       take_error};
-    unsigned i = 0;
-
-    while (i < array_length(kinds) && !kinds[i](said))
-        i++;
+    if (strcmp(said->text, "?") == 0)
+        said->kind = SISASCII_ASKS;
+    else if (!take_drive(said, SISASCII_OPEN, "BCD:", "") && !take_drive(said, SISASCII_PROMPT, "E", ":>") &&
+             !take_access(said))
+        take_error(said);
 }
 
 /* "-12.5", but not "0013": that is a code. */
@@ -213,15 +187,6 @@ show_value(line_t *line, unsigned offset, const sisascii_command_t *access, cons
                                                g_ascii_strtod(value, NULL), "%s", value));
 }
 
-static void
-show_written(line_t *line, const sisascii_command_t *access, const sis_known_t *known)
-{
-    if (strcmp(line->said.text + line->said.value_at, ">") == 0)
-        wmem_strbuf_append(line->words, ", a list");
-    else
-        show_value(line, line->said.value_at, access, known);
-}
-
 /* The parameter of a command, or of the command that a line belongs to. */
 static void
 show_parameter(line_t *line, const sisascii_command_t *access, const sis_known_t *known, bool is_here)
@@ -244,13 +209,6 @@ show_parameter(line_t *line, const sisascii_command_t *access, const sis_known_t
         wmem_strbuf_append_printf(
             line->words, ", %s",
             wmem_ascii_strdown(line->pinfo->pool, val_to_str_const(element, sis_elements, ""), -1));
-}
-
-static void
-show_text(line_t *line)
-{
-    proto_tree_add_string(line->tree, hf_sisascii_text, line->tvb, 0, line->length, line->said.text);
-    wmem_strbuf_append_printf(line->words, " \"%s\"", line->said.text);
 }
 
 /* Codes of its own, else those of parameter services. */
@@ -312,7 +270,10 @@ show_line(line_t *line)
         add_generated(line->tree, hf_sisascii_index, line->tvb, unit->number);
     switch (unit->kind) {
     case SISASCII_WRITE:
-        show_written(line, access, &known);
+        if (strcmp(line->said.text + line->said.value_at, ">") == 0)
+            wmem_strbuf_append(line->words, ", a list");
+        else
+            show_value(line, line->said.value_at, access, &known);
         break;
     case SISASCII_ANSWER:
     case SISASCII_ELEMENT:
@@ -323,7 +284,8 @@ show_line(line_t *line)
         break;
     case SISASCII_TEXT:
     case SISASCII_ECHO:
-        show_text(line);
+        proto_tree_add_string(line->tree, hf_sisascii_text, line->tvb, 0, line->length, line->said.text);
+        wmem_strbuf_append_printf(line->words, " \"%s\"", line->said.text);
         break;
     default:
         break;
@@ -333,12 +295,11 @@ show_line(line_t *line)
 static void
 show_verdict(line_t *line, unsigned limit_ms, const char *source)
 {
-    sis_verdict_t verdict = sis_judge(line->unit->span, limit_ms * MS);
-    nstime_t limit = sertap_time(limit_ms * MS);
+    sis_verdict_t verdict = sis_judge(line->unit->asked.span, limit_ms * MS);
     proto_item *item;
 
-    proto_item_set_generated(proto_tree_add_time_format_value(line->tree, hf_sis_trs_limit, line->tvb, 0, 0,
-                                                              &limit, "%u ms%s", limit_ms, source));
+    sertap_add_time(line->tree, hf_sis_trs_limit, line->tvb, limit_ms * MS,
+                    wmem_strdup_printf(line->pinfo->pool, "%u ms%s", limit_ms, source));
     if (source[0] != '\0')
         add_link(line->tree, hf_sis_trs_set_in, line->tvb, line->unit->limit.set_in);
     item = add_generated(line->tree, hf_sis_trs_verdict, line->tvb, verdict);
@@ -353,21 +314,20 @@ show_verdict(line_t *line, unsigned limit_ms, const char *source)
 static bool
 is_measured(const line_t *line)
 {
-    return line->unit->is_first && sis_is_measured(line->unit->elapsed, &line->times);
+    return line->unit->asked.request_in != 0 && sis_is_measured(line->unit->asked.elapsed, &line->times);
 }
 
 /* How long the drive took. No document has a limit, so it is the user's. */
 static void
 show_time(line_t *line)
 {
-    int64_t elapsed = line->unit->elapsed;
+    int64_t elapsed = line->unit->asked.elapsed;
     unsigned preference = pref_sis_trs_ms;
 
-    if (!line->unit->is_first)
+    if (line->unit->asked.request_in == 0)
         return;
     if (is_measured(line)) {
-        proto_item_set_generated(
-            sertap_add_ms(line->tree, hf_sis_reaction_time, line->tvb, 0, 0, line->pinfo->pool, elapsed));
+        sertap_add_ms(line->tree, hf_sis_reaction_time, line->tvb, line->pinfo->pool, elapsed);
         sertap_add_column_ms(line->tree, hf_sis_reaction_time_ms, line->tvb, elapsed);
     }
     if (line->times.record == NULL)
@@ -381,7 +341,7 @@ show_time(line_t *line)
 static void
 show_command(line_t *line, const sisascii_command_t *command)
 {
-    add_link(line->tree, hf_sis_reaction_in, line->tvb, command->answer_in);
+    add_link(line->tree, hf_sis_reaction_in, line->tvb, command->asked->answer_in);
     add_link(line->tree, hf_sis_repeat_of, line->tvb, command->repeat_of);
     add_link(line->tree, hf_sis_unanswered_before, line->tvb, command->unanswered_before);
     add_link(line->tree, hf_sis_next_command_in, line->tvb, command->next_in);
@@ -406,7 +366,7 @@ show_links(line_t *line)
         show_command(line, command);
         return;
     }
-    add_link(line->tree, hf_sis_command_in, line->tvb, command->frame);
+    add_link(line->tree, hf_sis_command_in, line->tvb, command->asked->frame);
     show_time(line);
 }
 
@@ -440,19 +400,6 @@ tell_access(const line_t *line)
         access->value = sis_text_shortened(pool, value, SHOWN_CHARACTERS);
     }
     sis_access_tell(access, line->tvb, line->pinfo, line->tree);
-}
-
-static void
-queue_answer(const line_t *line)
-{
-    sisascii_answer_t *answer;
-
-    if (!is_measured(line) || !have_tap_listener(sisascii_tap))
-        return;
-    answer = wmem_new(line->pinfo->pool, sisascii_answer_t);
-    answer->kind = line->unit->command->said.kind;
-    answer->elapsed = line->unit->elapsed;
-    tap_queue_packet(sisascii_tap, line->pinfo, answer);
 }
 
 /* Latin-1, as drives write "°C". */
@@ -551,7 +498,8 @@ dissect_sisascii(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
     show_line(&line);
     show_links(&line);
     tell_access(&line);
-    queue_answer(&line);
+    if (is_measured(&line))
+        tap_queue_packet(sisascii_tap, pinfo, line.unit);
     kind = val_to_str_const(line.unit->kind, sis_ascii_kinds, "");
     proto_item_append_text(root, ", %s%s", kind, wmem_strbuf_get_str(line.words));
     col_set_str(pinfo->cinfo, COL_PROTOCOL, "SISASCII");

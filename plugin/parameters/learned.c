@@ -6,16 +6,7 @@
 #include "parameters/values.h"
 #include "protocol/limits.h"
 
-/* A parameter of a device. */
-typedef struct {
-    sis_place_t place;
-    uint8_t type;
-    uint8_t zero;
-    uint16_t number;
-    uint16_t structure;
-} learned_key_t;
-
-KEPT_KEY(learned_key_t, 8 + 2 + 2 + 2 + 2)
+KEPT_KEY(sis_parameter_t, 8 + 2 + 2 + 2 + 2)
 KEPT_KEY(sis_place_t, 8 + 1 + 1)
 
 /* Devices of one type. */
@@ -31,7 +22,7 @@ typedef struct {
 } device_t;
 
 struct sis_learned {
-    wmem_map_t *known;                 /* by learned_key_t */
+    wmem_map_t *known;                 /* by sis_parameter_t */
     wmem_map_t *devices;               /* device_t by sis_place_t */
     wmem_map_t *types[SIS_IDENTITIES]; /* type_t by text */
 };
@@ -41,24 +32,17 @@ sis_learned_new(void)
 {
     sis_learned_t *learned = wmem_new(wmem_file_scope(), sis_learned_t);
 
-    learned->known = wmem_map_new(wmem_file_scope(), hash_learned_key_t, are_equal_learned_key_t);
+    learned->known = wmem_map_new(wmem_file_scope(), hash_sis_parameter_t, are_equal_sis_parameter_t);
     learned->devices = wmem_map_new(wmem_file_scope(), hash_sis_place_t, are_equal_sis_place_t);
     for (unsigned i = 0; i < SIS_IDENTITIES; i++)
         learned->types[i] = wmem_map_new(wmem_file_scope(), wmem_str_hash, g_str_equal);
     return learned;
 }
 
-static learned_key_t
-make_key(const sis_place_t *place, sis_ident_t ident)
-{
-    return (learned_key_t){
-        .place = *place, .type = ident.type, .number = ident.number, .structure = ident.structure};
-}
-
 const sis_known_t *
 sis_learned_find(sis_learned_t *learned, const sis_place_t *place, sis_ident_t ident)
 {
-    learned_key_t key = make_key(place, ident);
+    sis_parameter_t key = {*place, ident};
 
     return wmem_map_lookup(learned->known, &key);
 }
@@ -221,7 +205,7 @@ update(sis_known_t *known, const sis_fact_t *fact)
 void
 sis_learned_add(sis_learned_t *learned, const sis_place_t *place, sis_ident_t ident, const sis_fact_t *fact)
 {
-    learned_key_t key = make_key(place, ident);
+    sis_parameter_t key = {*place, ident};
     const sis_known_t *before = wmem_map_lookup(learned->known, &key);
     sis_known_t known = {0};
 

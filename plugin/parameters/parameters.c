@@ -8,6 +8,7 @@
 #include <epan/prefs.h>
 #include <epan/uat.h>
 
+#include "kept.h"
 #include "parts.h"
 #include "protocol/codes.h"
 
@@ -50,14 +51,11 @@ typedef struct {
 static row_t *rows;
 static unsigned row_count;
 
-/* A parameter of a station; without a station, of every one. */
-typedef struct {
-    sis_place_t place; /* its device does not count */
-    sis_ident_t ident;
-} row_key_t;
+/* A row is for a parameter of a station, of any device; without a station, of every one. */
+KEPT_KEY(sis_parameter_t, 8 + 2 + 2 + 2 + 2)
 
-/* All tables, by row_key_t; the user's rows take precedence over the others. Made when it is first asked: by
- * then, all dissectors have registered their fields. */
+/* All tables, by sis_parameter_t; the user's rows take precedence over the others. Made when it is first
+ * asked: by then, all dissectors have registered their fields. */
 static GHashTable *table;
 static bool has_stations; /* in the user's rows */
 
@@ -87,29 +85,6 @@ sis_ident_text(wmem_allocator_t *scope, sis_ident_t ident)
     return ident.structure == 0
                ? text
                : wmem_strdup_printf(scope, "%s.%u.%u", text, ident.structure >> 8, ident.structure & 0xFF);
-}
-
-static unsigned
-hash_key(const void *data)
-{
-    const row_key_t *key = data;
-    unsigned stations = 0;
-
-    for (unsigned i = 0; i < key->place.path_length; i++)
-        stations = stations * 31 + key->place.path[i] + 1;
-    return (((unsigned)key->ident.structure << 8 ^ key->ident.type) << 16 ^ key->ident.number) +
-           stations * 7919;
-}
-
-static gboolean
-are_keys_equal(const void *a, const void *b)
-{
-    const row_key_t *one = a, *other = b;
-
-    return one->ident.type == other->ident.type && one->ident.number == other->ident.number &&
-           one->ident.structure == other->ident.structure &&
-           one->place.path_length == other->place.path_length &&
-           memcmp(one->place.path, other->place.path, sizeof one->place.path) == 0;
 }
 
 /* An ident with the bits that tell its kind. */
@@ -174,8 +149,9 @@ parse_number(const char *text, sis_ident_t *ident)
     return text != NULL && take_number(&text, ident) && *text == '\0';
 }
 
-bool
-sis_place_parse(const char **text, sis_place_t *place)
+/* "3", or behind routers "3/2/8"; the place behind it. False: it is no path. */
+static bool
+take_place(const char **text, sis_place_t *place)
 {
     unsigned station;
 
@@ -233,7 +209,7 @@ static bool
 parse_station(const char *text, sis_place_t *place)
 {
     *place = (sis_place_t){0};
-    return text == NULL || text[0] == '\0' || (sis_place_parse(&text, place) && *text == '\0');
+    return text == NULL || text[0] == '\0' || (take_place(&text, place) && *text == '\0');
 }
 
 const char *
@@ -253,20 +229,20 @@ sis_ident_parse(const char *text, sis_ident_t *ident)
 }
 
 static void
-insert(const row_key_t *key, const sis_known_t *known)
+insert(const sis_parameter_t *key, const sis_known_t *known)
 {
     g_hash_table_replace(table, g_memdup2(key, sizeof *key), g_memdup2(known, sizeof *known));
 }
 
 static sis_known_t
-find(const row_key_t *key)
+find(const sis_parameter_t *key)
 {
     static const sis_known_t nothing = {0};
     const sis_known_t *known;
 
     if (has_stations && key->place.path_length > 0 && (known = g_hash_table_lookup(table, key)) != NULL)
         return *known;
-    known = g_hash_table_lookup(table, &(row_key_t){.ident = key->ident});
+    known = g_hash_table_lookup(table, &(sis_parameter_t){.ident = key->ident});
     return known != NULL ? *known : nothing;
 }
 
@@ -296,7 +272,7 @@ add_standard(void)
         sis_known_t known = {.name = field_text(field, number), .name_from = SIS_FROM_STANDARD};
 
         if (known.name != NULL)
-            insert(&(row_key_t){.ident.number = (uint16_t)number}, &known);
+            insert(&(sis_parameter_t){.ident.number = (uint16_t)number}, &known);
     }
 }
 
@@ -312,7 +288,7 @@ add_built_in(void)
                 known.unit = built_in[i].unit;
                 known.unit_from = SIS_BUILT_IN;
             }
-            insert(&(row_key_t){.ident = ident}, &known);
+            insert(&(sis_parameter_t){.ident = ident}, &known);
         }
     }
 }
@@ -327,7 +303,7 @@ add_text(const char **known, sis_source_t *from, const char *text)
 }
 
 static void
-add_row(const row_t *row, const row_key_t *key)
+add_row(const row_t *row, const sis_parameter_t *key)
 {
     sis_known_t known = find(key);
 
@@ -349,7 +325,7 @@ static void
 add_rows(bool of_one)
 {
     for (unsigned i = 0; i < row_count; i++) {
-        row_key_t key;
+        sis_parameter_t key;
 
         if (!parse_number(rows[i].number, &key.ident) || !parse_station(rows[i].station, &key.place) ||
             (key.place.path_length > 0) != of_one)
@@ -363,7 +339,7 @@ add_rows(bool of_one)
 static void
 make_table(void)
 {
-    table = g_hash_table_new_full(hash_key, are_keys_equal, g_free, g_free);
+    table = g_hash_table_new_full(hash_sis_parameter_t, are_equal_sis_parameter_t, g_free, g_free);
     has_stations = false;
     add_standard();
     add_built_in();
@@ -380,12 +356,13 @@ forget_table(void)
 sis_known_t
 sis_known_from_tables(const sis_place_t *place, sis_ident_t ident)
 {
-    row_key_t key = {.ident = ident};
+    sis_parameter_t key = {.ident = ident};
 
     if (table == NULL)
         make_table();
     if (place != NULL)
         key.place = *place;
+    key.place.device = 0;
     return find(&key);
 }
 

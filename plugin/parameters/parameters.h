@@ -23,6 +23,7 @@ typedef enum {
  * has a structure: its instance in the high byte, its element in the low one. */
 typedef struct {
     uint8_t type;
+    uint8_t zero;
     uint16_t number;
     uint16_t structure;
 } sis_ident_t;
@@ -34,10 +35,13 @@ typedef struct {
     uint8_t device;
 } sis_place_t;
 
-/* "3", or behind routers "3/2/8"; the place behind it. False: it is no path. */
-bool sis_place_parse(const char **text, sis_place_t *place);
+/* A parameter of a device. */
+typedef struct {
+    sis_place_t place;
+    sis_ident_t ident;
+} sis_parameter_t;
 
-/* The same text. */
+/* "3", or behind routers "3/2/8". */
 const char *sis_place_text(wmem_allocator_t *scope, const sis_place_t *place);
 
 typedef enum {

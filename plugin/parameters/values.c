@@ -5,7 +5,6 @@
 
 #include <math.h>
 
-#include "parameters/text.h"
 #include "protocol/fields.h"
 #include "protocol/limits.h"
 
@@ -145,14 +144,6 @@ binary_text(wmem_allocator_t *scope, uint64_t raw, unsigned size)
     return wmem_strbuf_get_str(text);
 }
 
-static const char *
-command_text(uint64_t raw)
-{
-    static const value_string requests[] = {{0, "clear"}, {1, "interrupt"}, {3, "set and enable"}, {0, NULL}};
-
-    return raw <= UINT32_MAX ? try_val_to_str((uint32_t)raw, requests) : NULL;
-}
-
 /* An ident of two bytes, or of four: two of its structure in the upper half. False: it is something else. */
 static bool
 read_ident(const layout_t *layout, uint64_t raw, sis_ident_t *ident)
@@ -216,10 +207,12 @@ number_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layou
 static const char *
 value_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, const layout_t *layout)
 {
-    const char *number = number_text(scope, tvb, offset, layout), *request;
+    static const value_string requests[] = {{0, "clear"}, {1, "interrupt"}, {3, "set and enable"}, {0, NULL}};
+    const char *number = number_text(scope, tvb, offset, layout);
+    uint64_t raw = get_number(tvb, offset, layout->size, layout->encoding);
+    const char *request = raw <= UINT32_MAX ? try_val_to_str((uint32_t)raw, requests) : NULL;
 
-    if (layout->is_command &&
-        (request = command_text(get_number(tvb, offset, layout->size, layout->encoding))) != NULL)
+    if (layout->is_command && request != NULL)
         return wmem_strdup_printf(scope, "%s (%s)", number, request);
     if (layout->unit == NULL || layout->unit[0] == '\0' || layout->format == SIS_FORMAT_BINARY ||
         layout->format == SIS_FORMAT_IDENT || layout->format == SIS_FORMAT_HEXADECIMAL ||
@@ -502,4 +495,34 @@ sis_add_element(proto_tree *tree, packet_info *pinfo, const sis_element_data_t *
     default:
         return NULL;
     }
+}
+
+/* Latin-1, because drives are older than UTF-8. Control characters are shown as their pictures (U+2400 and
+ * following). The control characters of Latin-1, and the soft hyphen, are shown as codes: "<9b>". */
+static void
+append_readable(wmem_strbuf_t *text, uint8_t c)
+{
+    if ((c >= 0x80 && c < 0xA0) || c == 0xAD)
+        wmem_strbuf_append_printf(text, "<%02x>", c);
+    else
+        wmem_strbuf_append_unichar(text, c < 0x20 ? 0x2400 + c : c == 0x7F ? 0x2421 : c);
+}
+
+/* Does not end at a NUL. */
+const char *
+sis_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, unsigned length)
+{
+    wmem_strbuf_t *text = wmem_strbuf_new(scope, "");
+
+    for (unsigned i = 0; i < length; i++)
+        append_readable(text, compat_get_uint8(tvb, offset + i));
+    return wmem_strbuf_get_str(text);
+}
+
+const char *
+sis_text_shortened(wmem_allocator_t *scope, const char *text, unsigned most)
+{
+    if (g_utf8_strlen(text, -1) <= (glong)most)
+        return text;
+    return wmem_strdup_printf(scope, "%.*s...", (int)(g_utf8_offset_to_pointer(text, most) - text), text);
 }

@@ -32,6 +32,12 @@ void sis_add_named_bits(proto_item *item, tvbuff_t *tvb, unsigned offset, unsign
 const char *
 sis_element_misfit(const sis_element_data_t *data, sis_element_t element, const sis_known_t *known);
 
+/* Text of drives, all characters of it in readable form. */
+const char *sis_text(wmem_allocator_t *scope, tvbuff_t *tvb, unsigned offset, unsigned length);
+
+/* A text of up to that many characters, followed by "..." if there are more. */
+const char *sis_text_shortened(wmem_allocator_t *scope, const char *text, unsigned most);
+
 /* A name or a unit, without the two length words at the beginning of a list. */
 const char *sis_element_text(wmem_allocator_t *scope, tvbuff_t *tvb);
 

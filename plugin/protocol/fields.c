@@ -166,7 +166,6 @@ int hf_sis_list_actual = -1;
 int hf_sis_list_maximum = -1;
 int hf_sis_access = -1;
 int hf_sis_packed = -1;
-int hf_sis_told_before = -1;
 int hf_sis_text = -1;
 int hf_sis_element_length = -1;
 int hf_sis_stream = -1;
@@ -408,6 +407,7 @@ expert_field ei_sertap_error_character_expert = EI_INIT;
 expert_field ei_sertap_error_break_expert = EI_INIT;
 expert_field ei_sertap_error_lost_expert = EI_INIT;
 expert_field ei_sertap_error_unlocated_expert = EI_INIT;
+expert_field ei_sertap_before = EI_INIT;
 expert_field ei_sertap_event_expert = EI_INIT;
 expert_field ei_sis_list_recursion = EI_INIT;
 expert_field ei_sis_command_unanswered = EI_INIT;
@@ -467,13 +467,13 @@ expert_field ei_synax_unanswered = EI_INIT;
 expert_field ei_synax_unanswered_before = EI_INIT;
 expert_field ei_synax_pieces_too_many = EI_INIT;
 
-void
-protocol_register_sertap(void)
+static void
+register_sertap(void)
 {
     static hf_register_info fields[] = {
         {&hf_sertap_version, {"Version", "sertap.version", FT_UINT8, BASE_DEC, NULL, 0, "Version of the record's layout", HFILL}},
         {&hf_sertap_header_length, {"Header length", "sertap.header_length", FT_UINT8, BASE_DEC, NULL, 0, "Bytes of the record before the characters", HFILL}},
-        {&hf_sertap_type, {"Type", "sertap.type", FT_UINT8, BASE_DEC, VALS(sis_sertap_types), 0, "A frame, characters that belong to no frame, or an event of the tap", HFILL}},
+        {&hf_sertap_type, {"Type", "sertap.type", FT_UINT8, BASE_DEC, VALS(sis_sertap_types), 0, "A frame, characters that belong to no frame, an event of the tap, or a frame from before this file", HFILL}},
         {&hf_sertap_line, {"Line", "sertap.line", FT_UINT8, BASE_DEC, VALS(sis_sertap_lines), 0, "The shared bus, or one direction of a full-duplex line", HFILL}},
         {&hf_sertap_baud, {"Baud rate", "sertap.baud", FT_UINT32, BASE_DEC, NULL, 0, "The rate at which the tap listened, in bits per second; 0: not known", HFILL}},
         {&hf_sertap_format, {"Character format", "sertap.format", FT_STRING, BASE_NONE, NULL, 0, "Data bits, parity and stop bits that the tap listened with", HFILL}},
@@ -507,6 +507,7 @@ protocol_register_sertap(void)
         {&ei_sertap_error_break_expert, {"sertap.error.break.expert", PI_PROTOCOL, PI_WARN, "Break on the line", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The line was low for longer than a character: a short circuit, a wrong rate, or a signal on purpose. Check baud rate first, then the wires.", HFILL}}}},
         {&ei_sertap_error_lost_expert, {"sertap.error.lost.expert", PI_SEQUENCE, PI_WARN, "Characters were lost before the tap could read them", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The tap was too slow, so characters are missing here. Close other programs, or use an adapter with a larger buffer: sistap doctor.", HFILL}}}},
         {&ei_sertap_error_unlocated_expert, {"sertap.error.unlocated.expert", PI_CHECKSUM, PI_WARN, "A line error, the adapter does not say at which character", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "One of the characters of this read was wrong. Check baud rate and format first, then cable, termination and ground.", HFILL}}}},
+        {&ei_sertap_before, {"sertap.before", PI_SEQUENCE, PI_CHAT, "From before this file: learned from, not counted, not judged", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The file continues another. This telegram came earlier and explains what follows: a name, a unit, a limit. Nothing. Its time is that of the beginning of the file.", HFILL}}}},
         {&ei_sertap_event_expert, {"sertap.event.expert", PI_SEQUENCE, PI_WARN, "The capture has a gap", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The tap heard nothing for a while, whatever happened on the line. Read the text of the event. Do not count silences across it.", HFILL}}}},
     };
     static int *subtrees[] = {&ett_sertap, &ett_sertap_format, &ett_sertap_characters, &ett_sertap_character};
@@ -517,8 +518,8 @@ protocol_register_sertap(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_sis(void)
+static void
+register_sis(void)
 {
     static hf_register_info fields[] = {
         {&hf_sis_data, {"Data", "sis.data", FT_BYTES, BASE_NONE, NULL, 0, "The operating data, and nothing else", HFILL}},
@@ -550,7 +551,6 @@ protocol_register_sis(void)
         {&hf_sis_list_maximum, {"Maximum length of the list", "sis.list.maximum", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&unit_sis_list_maximum), 0, "Bytes that the list can have; the second word of a list", HFILL}},
         {&hf_sis_access, {"Access", "sis.access", FT_STRING, BASE_NONE, NULL, 0, "What was read or written of a parameter, as JSON: for programs", HFILL}},
         {&hf_sis_packed, {"Fields of this telegram", "sis.packed", FT_STRING, BASE_NONE, NULL, 0, "The fields of a telegram that is not the first of its packet, with the number of values of each: for programs", HFILL}},
-        {&hf_sis_told_before, {"Told before", "sis.told_before", FT_STRING, BASE_NONE, NULL, 0, "Heard on the bus before this file began", HFILL}},
         {&hf_sis_text, {"Text", "sis.text", FT_STRING, BASE_NONE, NULL, 0, "Useful data of a product group that are plain ASCII", HFILL}},
         {&hf_sis_element_length, {"Length", "sis.element_length", FT_UINT8, BASE_DEC, NULL, 0, "Service and body of this element", HFILL}},
         {&hf_sis_stream, {"Stream", "sis.stream", FT_UINT32, BASE_DEC, NULL, 0, "One number for each pair of stations", HFILL}},
@@ -707,8 +707,8 @@ protocol_register_sis(void)
     prefs_register_bool_preference(module, "udp_heuristic", "Recognize SIS on any UDP port", "The same for a datagram. Process data of a PPC may look like a telegram by chance", &pref_sis_udp_heuristic);
 }
 
-void
-protocol_register_3964r(void)
+static void
+register_3964r(void)
 {
     static hf_register_info fields[] = {
         {&hf_3964r_character, {"Character", "3964r.character", FT_UINT8, BASE_HEX, VALS(sis_procedure_characters), 0, "A single character of the procedure", HFILL}},
@@ -757,8 +757,8 @@ protocol_register_3964r(void)
     prefs_register_uint_preference(module, "qvz_ms", "QVZ in ms", "Longest time to the partner's answer; 0: no verdict", 10, &pref_3964r_qvz_ms);
 }
 
-void
-protocol_register_rk512i(void)
+static void
+register_rk512i(void)
 {
     static hf_register_info fields[] = {
         {&hf_rk512i_follow_up, {"Telegram", "rk512i.follow_up", FT_UINT8, BASE_HEX, VALS(sis_rk512_telegrams), 0, "The first telegram of a transfer, or one that continues it", HFILL}},
@@ -781,8 +781,8 @@ protocol_register_rk512i(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_arcnet7f(void)
+static void
+register_arcnet7f(void)
 {
     static hf_register_info fields[] = {
         {&hf_arcnet7f_id, {"Protocol", "arcnet7f.id", FT_UINT8, BASE_HEX, NULL, 0, "Always 0x7F", HFILL}},
@@ -803,8 +803,8 @@ protocol_register_arcnet7f(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_synax(void)
+static void
+register_synax(void)
 {
     static hf_register_info fields[] = {
         {&hf_synax_request_in, {"Request in", "synax.request_in", FT_FRAMENUM, BASE_NONE, FRAMENUM_TYPE(FT_FRAMENUM_REQUEST), 0, "The packet that this answer belongs to", HFILL}},
@@ -846,8 +846,8 @@ protocol_register_synax(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_synaxpk(void)
+static void
+register_synaxpk(void)
 {
     static hf_register_info fields[] = {
         {&hf_synaxpk_word, {"Control or status word", "synaxpk.word", FT_UINT16, BASE_HEX, NULL, 0, "FBSteuer of the master, FBStatus of the slave", HFILL}},
@@ -892,8 +892,8 @@ protocol_register_synaxpk(void)
     prefs_register_enum_preference(module, "direction", "Sender", "Who has sent the packets: in a capture made at the master, what it sent comes from the master, and what it received from the slave", &pref_synaxpk_direction, choices_synaxpk_direction, FALSE);
 }
 
-void
-protocol_register_synaxobj(void)
+static void
+register_synaxobj(void)
 {
     static hf_register_info fields[] = {
         {&hf_synaxobj_index, {"Object", "synaxobj.index", FT_UINT16, BASE_HEX, VALS(sis_synaxobj_names), 0, "Which object is read or written", HFILL}},
@@ -919,8 +919,8 @@ protocol_register_synaxobj(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_synaxpcp(void)
+static void
+register_synaxpcp(void)
 {
     static hf_register_info fields[] = {
         {&hf_synaxpcp_service, {"Service", "synaxpcp.service", FT_UINT16, BASE_HEX, VALS(sis_synaxpcp_services), 0, "What the telegram asks for or answers", HFILL}},
@@ -950,8 +950,8 @@ protocol_register_synaxpcp(void)
     proto_register_subtree_array(subtrees, array_length(subtrees));
 }
 
-void
-protocol_register_synaxpd(void)
+static void
+register_synaxpd(void)
 {
     static hf_register_info fields[] = {
         {&hf_synaxpd_direction, {"Direction", "synaxpd.direction", FT_UINT8, BASE_DEC, VALS(sis_synaxpd_directions), 0, "Known where one port is among those of preference synaxpd.ports", HFILL}},
@@ -972,8 +972,8 @@ protocol_register_synaxpd(void)
     prefs_register_bool_preference(module, "swap_words", "Words of a double word are swapped", "As bits of C-0-0129 say", &pref_synaxpd_swap_words);
 }
 
-void
-protocol_register_sisascii(void)
+static void
+register_sisascii(void)
 {
     static hf_register_info fields[] = {
         {&hf_sisascii_kind, {"Line", "sisascii.kind", FT_UINT8, BASE_DEC, VALS(sis_ascii_kinds), 0, "What a line of the ASCII protocol is", HFILL}},
@@ -987,4 +987,20 @@ protocol_register_sisascii(void)
     proto_sisascii = proto_register_protocol("Rexroth ASCII protocol", "SISASCII", "sisascii");
     proto_register_field_array(proto_sisascii, fields, array_length(fields));
     proto_register_subtree_array(subtrees, array_length(subtrees));
+}
+
+void
+protocol_register(void)
+{
+    register_sertap();
+    register_sis();
+    register_3964r();
+    register_rk512i();
+    register_arcnet7f();
+    register_synax();
+    register_synaxpk();
+    register_synaxobj();
+    register_synaxpcp();
+    register_synaxpd();
+    register_sisascii();
 }

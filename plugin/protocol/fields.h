@@ -126,7 +126,6 @@ extern int hf_sis_list_actual;
 extern int hf_sis_list_maximum;
 extern int hf_sis_access;
 extern int hf_sis_packed;
-extern int hf_sis_told_before;
 extern int hf_sis_text;
 extern int hf_sis_element_length;
 extern int hf_sis_stream;
@@ -368,6 +367,7 @@ extern expert_field ei_sertap_error_character_expert;
 extern expert_field ei_sertap_error_break_expert;
 extern expert_field ei_sertap_error_lost_expert;
 extern expert_field ei_sertap_error_unlocated_expert;
+extern expert_field ei_sertap_before;
 extern expert_field ei_sertap_event_expert;
 extern expert_field ei_sis_list_recursion;
 extern expert_field ei_sis_command_unanswered;
@@ -492,17 +492,7 @@ extern range_t *pref_synaxpd_ports;
 extern compat_bool pref_synaxpd_swap_bytes;
 extern compat_bool pref_synaxpd_swap_words;
 
-/* Each registers a protocol, and all of it that stands here. */
-void protocol_register_sertap(void);
-void protocol_register_sis(void);
-void protocol_register_3964r(void);
-void protocol_register_rk512i(void);
-void protocol_register_arcnet7f(void);
-void protocol_register_synax(void);
-void protocol_register_synaxpk(void);
-void protocol_register_synaxobj(void);
-void protocol_register_synaxpcp(void);
-void protocol_register_synaxpd(void);
-void protocol_register_sisascii(void);
+/* Registers all protocols, and all of them that stands here. */
+void protocol_register(void);
 
 #endif

@@ -134,8 +134,7 @@ def fields_h(description: Description) -> str:
     lines += [f"extern int ett_{name};" for name in _subtrees(description.protocols)] + [""]
     lines += [*_comment("Preferences.")]
     lines += [f"extern {PREFERENCES[kind][0]}{name};" for name, kind in _preferences(description.protocols)] + [""]
-    lines += [*_comment("Each registers a protocol, and all of it that stands here.")]
-    lines += [f"void protocol_register_{protocol.key}(void);" for protocol in description.protocols]
+    lines += [*_comment("Registers all protocols, and all of them that stands here."), "void protocol_register(void);"]
     return _header("fields", SOURCES, ABOUT, lines)
 
 
@@ -256,7 +255,7 @@ def _register(description: Description, protocol: Protocol) -> Iterator[str]:
     fields = [field for field in description.fields if field.protocol == protocol.key]
     experts = [item for item in description.experts if item.protocol == protocol.key]
     proto = f"proto_{protocol.key}"
-    yield from ["", "void", f"protocol_register_{protocol.key}(void)", "{"]
+    yield from ["", "static void", f"register_{protocol.key}(void)", "{"]
     if fields:
         yield "    static hf_register_info fields[] = {"
         yield from (_field(description, field) for field in fields)
@@ -300,6 +299,8 @@ def fields_c(description: Description) -> str:
     lines += [f"expert_field ei_{identifier(item.filter)} = EI_INIT;" for item in description.experts]
     for protocol in description.protocols:
         lines += _register(description, protocol)
+    lines += ["", "void", "protocol_register(void)", "{"]
+    lines += [f"    register_{protocol.key}();" for protocol in description.protocols] + ["}"]
     return "\n".join([*lines, ""])
 
 

@@ -10,7 +10,7 @@
 #include "protocol/fields.h"
 #include "protocol/limits.h"
 #include "sertap/line.h"
-#include "sis/times.h"
+#include "sis/asked.h"
 #include "rk512/rk512i.h"
 
 #define ETX 0x03
@@ -20,18 +20,11 @@
 
 /* One character or block, with the results of the first pass; lives as long as the file. */
 typedef struct unit {
+    sis_asked_t asked;
     p3964r_meaning_t meaning;
-    uint32_t frame;
-    uint32_t answers;    /* the unit that this answers; 0: none */
-    uint32_t answer_in;  /* and where this one was answered */
     uint32_t repeat_of;  /* of a block */
     uint32_t unanswered; /* the unanswered request or block before; 0: none */
     unsigned tries;      /* this is the n-th to connect, or to send this block; 0: it does not count */
-    uint8_t line;
-    int64_t end, end_earliest; /* of its last character, ns */
-    bool is_bounded;
-    int64_t elapsed; /* since the end of what it answers */
-    sis_span_t span; /* the same, with its bounds */
 } unit_t;
 
 /* Both partners, in the first pass. */
@@ -54,24 +47,6 @@ typedef struct {
 static wmem_map_t *buses;
 
 static void
-answer(unit_t *unit, unit_t *asked, const sis_times_t *times)
-{
-    asked->answer_in = unit->frame;
-    unit->answers = asked->frame;
-    unit->elapsed = sertap_elapsed(asked->end, times->begin);
-    unit->span = (sis_span_t){0, SIS_ANY_TIME};
-    if (asked->is_bounded && times->is_bounded)
-        unit->span = sis_span_between(asked->end_earliest, asked->end, times);
-}
-
-/* The partners give up when nothing comes for the block wait, or after QVZ, if that is set to more. */
-static bool
-is_given_up(const bus_t *bus, const sis_times_t *times, int64_t qvz)
-{
-    return sertap_elapsed(bus->end, times->begin) > MAX(P3964R_BLOCK_WAIT_MS * MS, 2 * qvz);
-}
-
-static void
 end_series(bus_t *bus)
 {
     bus->last_block = NULL; /* the same bytes again would be a new block */
@@ -91,53 +66,47 @@ count_try(bus_t *bus, uint8_t line, bool is_same)
     return bus->tries;
 }
 
-/* Whether a request may be for the last block again. On a line that both share, only the partner asks before
- * QVZ is over. */
-static bool
-may_be_again(const bus_t *bus, const unit_t *unit, const sis_times_t *times, int64_t qvz)
-{
-    return unit->line != 0 || bus->block == NULL || sertap_elapsed(bus->block->end, times->begin) >= qvz;
-}
-
 /* Two requests within QVZ come from both partners, if possible: then neither was answered. */
 static void
 note_request(bus_t *bus, unit_t *unit, const sis_times_t *times)
 {
     unit_t *before = bus->request, *tried = before;
     int64_t qvz = (pref_3964r_qvz_ms > 0 ? pref_3964r_qvz_ms : P3964R_QVZ_MS) * MS;
-    bool is_soon = before != NULL && sertap_elapsed(before->end, times->begin) < qvz;
-    bool is_over = is_given_up(bus, times, qvz);
+    bool is_soon = before != NULL && sertap_elapsed(before->asked.end, times->begin) < qvz;
+    /* The partners give up when nothing comes for the block wait, or after QVZ, if that is set to more. */
+    bool is_over = sertap_elapsed(bus->end, times->begin) > MAX(P3964R_BLOCK_WAIT_MS * MS, 2 * qvz);
 
     unit->meaning = P3964R_ASKS;
     unit->tries = 1;
-    bus->is_asked_again = may_be_again(bus, unit, times, qvz);
+    /* Perhaps for the last block. On a line that both share, only the partner asks before QVZ is over. */
+    bus->is_asked_again = unit->asked.line != 0 || bus->block == NULL ||
+                          sertap_elapsed(bus->block->asked.end, times->begin) >= qvz;
     bus->granted = NULL;
     if (is_over)
         end_series(bus);
-    if (is_soon && (unit->line == 0 || unit->line != before->line)) {
+    if (is_soon && (unit->asked.line == 0 || unit->asked.line != before->asked.line)) {
         unit->meaning = P3964R_BOTH_ASK;
         bus->rival = unit;
-        bus->is_asked_again = unit->line != 0; /* on one line, nobody sees who gives way */
-        return;                                /* the first request still waits */
+        bus->is_asked_again = unit->asked.line != 0; /* on one line, nobody sees who gives way */
+        return;                                      /* the first request still waits */
     }
     if (before != NULL)
-        unit->unanswered = before->frame;
+        unit->unanswered = before->asked.frame;
     else if (bus->refused != NULL && bus->refused->meaning != P3964R_BLOCK)
         tried = bus->refused;
-    if (tried != NULL && tried->line == unit->line && !is_over)
+    if (tried != NULL && tried->asked.line == unit->asked.line && !is_over)
         unit->tries = tried->tries + 1;
     if (bus->block != NULL)
-        unit->unanswered = bus->block->frame;
+        unit->unanswered = bus->block->asked.frame;
     bus->block = bus->rival = NULL;
     bus->refused = NULL;
     bus->request = unit;
 }
 
-/* Nobody answers himself. A shared line does not show who has sent what. */
 static bool
 can_answer(const unit_t *unit, const unit_t *asked)
 {
-    return asked != NULL && (unit->line == 0 || unit->line != asked->line);
+    return asked != NULL && sis_may_answer(&unit->asked, &asked->asked);
 }
 
 static void
@@ -147,20 +116,20 @@ note_answer(bus_t *bus, unit_t *unit, const sis_times_t *times, bool is_good)
 
     if (can_answer(unit, request)) {
         unit->meaning = is_good ? P3964R_GRANTS : P3964R_REFUSES_REQUEST;
-        answer(unit, request, times);
+        sis_asked_answer(&unit->asked, &request->asked, times);
         bus->refused = is_good ? NULL : request;
         bus->granted = is_good ? request : NULL;
         bus->request = bus->rival = NULL;
     } else if (can_answer(unit, bus->block)) {
         unit->meaning = is_good ? P3964R_ACKNOWLEDGES : P3964R_REFUSES_BLOCK;
-        answer(unit, bus->block, times);
+        sis_asked_answer(&unit->asked, &bus->block->asked, times);
         bus->refused = is_good ? NULL : bus->block;
         if (is_good)
             end_series(bus);
         bus->block = NULL;
     } else if (!is_good && can_answer(unit, bus->granted)) { /* a block that broke off: no frame */
         unit->meaning = P3964R_REFUSES_BLOCK;
-        count_try(bus, bus->granted->line, false);
+        count_try(bus, bus->granted->asked.line, false);
         bus->granted = NULL;
     } else {
         unit->meaning = P3964R_OUT_OF_PLACE;
@@ -173,13 +142,13 @@ note_block(bus_t *bus, unit_t *unit, tvbuff_t *tvb)
     const unit_t *last = bus->last_block;
     unsigned length = tvb_captured_length(tvb);
     bool is_whole = length == tvb_reported_length(tvb);
-    bool is_same = is_whole && last != NULL && last->line == unit->line && bus->length == length &&
-                   tvb_memeql(tvb, 0, bus->bytes, length) == 0;
+    bool is_same = is_whole && last != NULL && last->asked.line == unit->asked.line &&
+                   bus->length == length && tvb_memeql(tvb, 0, bus->bytes, length) == 0;
 
     unit->meaning = P3964R_BLOCK;
-    unit->tries = count_try(bus, unit->line, is_same);
+    unit->tries = count_try(bus, unit->asked.line, is_same);
     if (is_same) {
-        unit->repeat_of = last->repeat_of != 0 ? last->repeat_of : last->frame;
+        unit->repeat_of = last->repeat_of != 0 ? last->repeat_of : last->asked.frame;
     } else {
         wmem_free(wmem_file_scope(), bus->bytes);
         bus->bytes = tvb_memdup(wmem_file_scope(), tvb, 0, length);
@@ -195,17 +164,12 @@ static const unit_t *
 find_unit(tvbuff_t *tvb, packet_info *pinfo, const sis_times_t *times)
 {
     unit_t *unit = kept_of_packet(pinfo, proto_3964r, 0, sizeof *unit);
-    const sertap_record_t *record = sertap_record(pinfo);
     uint8_t character = compat_get_uint8(tvb, 0);
     bus_t *bus;
 
-    if (unit->frame != 0)
+    if (unit->asked.frame != 0)
         return unit;
-    unit->frame = pinfo->num;
-    unit->line = record != NULL ? record->line : 0;
-    unit->end = times->end;
-    unit->end_earliest = times->end_earliest;
-    unit->is_bounded = times->is_bounded;
+    sis_asked_note(&unit->asked, pinfo, times);
     bus = sertap_kept_of_bus(buses, pinfo, sizeof *bus);
     if (tvb_reported_length(tvb) > 1)
         note_block(bus, unit, tvb);
@@ -215,7 +179,7 @@ find_unit(tvbuff_t *tvb, packet_info *pinfo, const sis_times_t *times)
         note_answer(bus, unit, times, character == P3964R_DLE);
     else
         unit->meaning = P3964R_OUT_OF_PLACE;
-    bus->end = unit->end;
+    bus->end = times->end;
     return unit;
 }
 
@@ -223,10 +187,9 @@ static void
 show_verdict(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, int hf_limit, int hf_verdict,
              unsigned limit_ms, sis_verdict_t verdict, const char *words)
 {
-    nstime_t limit = sertap_time(limit_ms * MS);
-    proto_item *item = proto_tree_add_time_format_value(tree, hf_limit, tvb, 0, 0, &limit, "%u ms", limit_ms);
+    proto_item *item;
 
-    proto_item_set_generated(item);
+    sertap_add_time(tree, hf_limit, tvb, limit_ms * MS, wmem_strdup_printf(pinfo->pool, "%u ms", limit_ms));
     item = add_generated(tree, hf_verdict, tvb, verdict);
     if (verdict == SIS_TIME_OK)
         return;
@@ -240,14 +203,13 @@ show_verdict(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, int hf_limit, 
 static void
 show_answer(const unit_t *unit, const sis_times_t *times, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree)
 {
-    add_link(tree, hf_3964r_answers, tvb, unit->answers);
-    if (unit->answers == 0)
+    add_link(tree, hf_3964r_answers, tvb, unit->asked.request_in);
+    if (unit->asked.request_in == 0)
         return;
-    proto_item_set_generated(
-        sertap_add_ms(tree, hf_3964r_answer_time, tvb, 0, 0, pinfo->pool, unit->elapsed));
+    sertap_add_ms(tree, hf_3964r_answer_time, tvb, pinfo->pool, unit->asked.elapsed);
     if (times->record != NULL && pref_3964r_qvz_ms > 0)
         show_verdict(tree, pinfo, tvb, hf_3964r_qvz_limit, hf_3964r_qvz_verdict, pref_3964r_qvz_ms,
-                     sis_judge(unit->span, pref_3964r_qvz_ms * MS),
+                     sis_judge(unit->asked.span, pref_3964r_qvz_ms * MS),
                      wmem_strdup_printf(pinfo->pool, "answered later than QVZ = %u ms", pref_3964r_qvz_ms));
 }
 
@@ -257,7 +219,6 @@ show_intervals(const sis_times_t *times, tvbuff_t *tvb, packet_info *pinfo, prot
 {
     sis_longest_t longest;
     int64_t shown;
-    nstime_t value;
     bool is_longer;
 
     if (times->record == NULL)
@@ -267,11 +228,10 @@ show_intervals(const sis_times_t *times, tvbuff_t *tvb, packet_info *pinfo, prot
         return;
     is_longer = longest.interval.is_saturated;
     shown = longest.interval.is_exact || is_longer ? longest.interval.recorded : longest.interval.span.most;
-    value = sertap_time(shown);
     if (shown != SIS_ANY_TIME)
-        proto_item_set_generated(proto_tree_add_time_format_value(
-            tree, hf_3964r_zvz_interval_max, tvb, 0, 0, &value, "%s%s", is_longer ? "more than " : "",
-            sertap_ms_text(pinfo->pool, shown)));
+        sertap_add_time(tree, hf_3964r_zvz_interval_max, tvb, shown,
+                        wmem_strconcat(pinfo->pool, is_longer ? "more than " : "",
+                                       sertap_ms_text(pinfo->pool, shown), NULL));
     add_generated(tree, hf_3964r_zvz_position, tvb, longest.interval.at);
     if (pref_3964r_zvz_ms > 0)
         show_verdict(
@@ -282,7 +242,7 @@ show_intervals(const sis_times_t *times, tvbuff_t *tvb, packet_info *pinfo, prot
 static void
 show_unit(const unit_t *unit, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, proto_item *root)
 {
-    add_link(tree, hf_3964r_answer_in, tvb, unit->answer_in);
+    add_link(tree, hf_3964r_answer_in, tvb, unit->asked.answer_in);
     add_link(tree, hf_3964r_repeat_of, tvb, unit->repeat_of);
     add_link(tree, hf_3964r_unanswered_before, tvb, unit->unanswered);
     if (unit->tries > 0)
@@ -371,8 +331,7 @@ show_data(tvbuff_t *data, packet_info *pinfo, proto_tree *parent, proto_tree *tr
 
     if (is_good && rk512i_dissect(data, pinfo, parent, &block))
         return;
-    if (tvb_captured_length(data) > 0)
-        proto_tree_add_item(tree, hf_3964r_data, data, 0, -1, ENC_NA);
+    add_bytes(tree, hf_3964r_data, data, 0, tvb_captured_length(data));
 }
 
 static void

@@ -13,6 +13,7 @@
 #include "protocol/fields.h"
 #include "protocol/limits.h"
 #include "sertap/line.h"
+#include "sis/asked.h"
 #include "sis/pieces.h"
 #include "rk512/head.h"
 
@@ -50,17 +51,13 @@ typedef enum {
 } fault_t;
 
 /* A telegram, with the results of the first pass. */
-typedef struct telegram {
+typedef struct {
+    sis_asked_t asked;
     const job_t *job; /* NULL: none is known */
     job_t as_it_was;  /* its time; job points here */
-    uint32_t frame;
-    uint32_t request_in, answer_in; /* 0: none */
-    int64_t end;                    /* of its last character, ns */
-    int64_t elapsed;
-    uint8_t line;
-    unsigned faults; /* of fault_t */
-    bool is_piece;   /* of several */
-    bool is_first;   /* of its job */
+    unsigned faults;  /* of fault_t */
+    bool is_piece;    /* of several */
+    bool is_first;    /* of its job */
     bool is_last;
     bool is_repeat;
 } telegram_t;
@@ -160,8 +157,8 @@ note_command(bus_t *bus, const dissection_t *d, telegram_t *telegram)
         telegram->faults |= UNANSWERED_BEFORE;
     bus->request = NULL;
     if (bus->master == 0)
-        bus->master = telegram->line;
-    else if (telegram->line != 0 && telegram->line != bus->master)
+        bus->master = telegram->asked.line;
+    else if (telegram->asked.line != 0 && telegram->asked.line != bus->master)
         telegram->faults |= FROM_BOTH;
     if (!d->is_follow_up)
         begin_block(job, d, telegram);
@@ -175,7 +172,7 @@ note_command(bus_t *bus, const dissection_t *d, telegram_t *telegram)
 }
 
 static void
-note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, int64_t begin)
+note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, const sis_times_t *times)
 {
     telegram_t *request = bus->request;
     unsigned count = tvb_captured_length(d->tvb) - d->data_at;
@@ -184,9 +181,7 @@ note_reaction(bus_t *bus, const dissection_t *d, telegram_t *telegram, int64_t b
     if (request == NULL)
         return;
     bus->request = NULL;
-    request->answer_in = telegram->frame;
-    telegram->request_in = request->frame;
-    telegram->elapsed = sertap_elapsed(request->end, begin);
+    sis_asked_answer(&telegram->asked, &request->asked, times);
     telegram->job = &telegram->as_it_was;
     telegram->is_first = request->is_first;
     if (bus->job.command == RK512_FETCH && !is_error && count < MIN(bus->job.left, RK512_MOST_IN_TELEGRAM))
@@ -204,14 +199,13 @@ find_telegram(const dissection_t *d, const rk512i_block_t *block)
 {
     telegram_t *telegram = kept_of_packet(d->pinfo, proto_rk512i, 0, sizeof *telegram);
     const sertap_record_t *record = sertap_record(d->pinfo);
-    int64_t begin = sertap_ns(&d->pinfo->abs_ts);
+    sis_times_t times = sis_times(d->tvb, d->pinfo, 0, NULL);
     bus_t *bus;
 
-    if (telegram->frame != 0)
+    if (telegram->asked.frame != 0)
         return telegram;
-    telegram->frame = d->pinfo->num;
-    telegram->line = record != NULL ? record->line : 0;
-    telegram->end = begin + (record != NULL ? (int64_t)record->duration : 0);
+    times.end += record != NULL ? (int64_t)record->duration : 0;
+    sis_asked_note(&telegram->asked, d->pinfo, &times);
     telegram->is_repeat = block != NULL && block->is_repeat;
     if (telegram->is_repeat || (d->is_cut && !d->is_snapped))
         return telegram;
@@ -219,7 +213,7 @@ find_telegram(const dissection_t *d, const rk512i_block_t *block)
     if (d->is_snapped)
         *bus = (bus_t){.key = bus->key};
     else if (d->is_reaction)
-        note_reaction(bus, d, telegram, begin);
+        note_reaction(bus, d, telegram, &times);
     else
         note_command(bus, d, telegram);
     return telegram;
@@ -253,14 +247,6 @@ show_faults(const dissection_t *d)
     }
 }
 
-static void
-say_count(const dissection_t *d, uint8_t kind, unsigned count)
-{
-    const char *unit = bytes_of(kind, 1) == 2 ? "word" : "byte";
-
-    wmem_strbuf_append_printf(d->words, ", %u %s%s", count, unit, plurality(count, "", "s"));
-}
-
 /* Data blocks that are defined, and how many words they have. */
 static void
 check_command(const dissection_t *d, uint8_t block)
@@ -287,22 +273,16 @@ static void
 show_command(const dissection_t *d)
 {
     uint8_t block = compat_get_uint8(d->tvb, 4);
+    unsigned count = tvb_get_ntohs(d->tvb, 6);
+    const char *unit = bytes_of(compat_get_uint8(d->tvb, 3), 1) == 2 ? "word" : "byte";
 
     synax_add_block(d->tree, hf_rk512i_block, d->tvb, 4);
     proto_tree_add_item(d->tree, hf_rk512i_word, d->tvb, 5, 1, ENC_NA);
     proto_tree_add_item(d->tree, hf_rk512i_count, d->tvb, 6, 2, ENC_BIG_ENDIAN);
     proto_tree_add_item(d->tree, hf_rk512i_flag_byte, d->tvb, 8, 1, ENC_NA);
     proto_tree_add_item(d->tree, hf_rk512i_flag, d->tvb, 9, 1, ENC_NA);
-    wmem_strbuf_append_printf(d->words, " DB %u", block);
-    say_count(d, compat_get_uint8(d->tvb, 3), tvb_get_ntohs(d->tvb, 6));
+    wmem_strbuf_append_printf(d->words, " DB %u, %u %s%s", block, count, unit, plurality(count, "", "s"));
     check_command(d, block);
-}
-
-/* The head of the command that a reaction answers. */
-static synax_head_t
-head_of_command(const job_t *job)
-{
-    return synax_head_of(job->info, job->axis, job->ident);
 }
 
 /* Error numbers are Siemens'; SYNAX' table is lost. */
@@ -318,7 +298,7 @@ show_reaction(const dissection_t *d)
                                          error, error != 0 ? ", by Siemens' numbers" : "");
 
     if (job != NULL && job->has_head) {
-        head = head_of_command(job);
+        head = synax_head_of(job->info, job->axis, job->ident);
         wmem_strbuf_append(d->words, ": ");
         synax_recall_head(d->tree, d->pinfo, d->tvb, &head, d->words);
     }
@@ -327,19 +307,6 @@ show_reaction(const dissection_t *d)
     expert_add_info_format(d->pinfo, item, &ei_synax_error, "Error 0x%02x: %s (Siemens' number)", error,
                            text);
     wmem_strbuf_append_printf(d->words, "  [error 0x%02x: %s (Siemens' number)]", error, text);
-}
-
-static void
-show_links(const dissection_t *d)
-{
-    const telegram_t *telegram = d->telegram;
-
-    add_link(d->tree, hf_synax_answer_in, d->tvb, telegram->answer_in);
-    if (telegram->request_in == 0)
-        return;
-    add_generated(d->tree, hf_synax_request_in, d->tvb, telegram->request_in);
-    proto_item_set_generated(
-        sertap_add_ms(d->tree, hf_synax_answer_time, d->tvb, 0, 0, d->pinfo->pool, telegram->elapsed));
 }
 
 /* All bytes of a block, or of DB nn to DB 1. Those of SEND begin with the Indramat head. A reaction has
@@ -355,7 +322,7 @@ show_whole(const dissection_t *d, proto_tree *tree, tvbuff_t *tvb)
         if (is_data_block(job->command, job->kind))
             synax_add_block_words(tree, d->pinfo, hf_rk512i_block_word, tvb, job->block, ENC_BIG_ENDIAN);
     } else if (d->is_reaction) {
-        head = head_of_command(job);
+        head = synax_head_of(job->info, job->axis, job->ident);
         synax_add_data(tree, d->pinfo, tvb, 0, ENC_BIG_ENDIAN, &head, d->words);
     } else {
         wmem_strbuf_append(d->words, ": ");
@@ -438,10 +405,10 @@ queue_answer(const dissection_t *d)
 {
     rk512i_answer_t *answer;
 
-    if (d->telegram->request_in == 0 || d->telegram->job == NULL || d->telegram->elapsed < 0)
+    if (d->telegram->asked.request_in == 0 || d->telegram->job == NULL || d->telegram->asked.elapsed < 0)
         return;
     answer = wmem_new(d->pinfo->pool, rk512i_answer_t);
-    *answer = (rk512i_answer_t){d->telegram->job->command, d->telegram->elapsed};
+    *answer = (rk512i_answer_t){d->telegram->job->command, d->telegram->asked.elapsed};
     tap_queue_packet(rk512i_tap, d->pinfo, answer);
 }
 
@@ -461,6 +428,7 @@ looks_like_rk512(tvbuff_t *tvb)
 bool
 rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data)
 {
+    sis_asked_fields_t fields = {hf_synax_request_in, hf_synax_answer_in, hf_synax_answer_time};
     dissection_t d = {.tvb = tvb, .pinfo = pinfo, .words = wmem_strbuf_new(pinfo->pool, "")};
 
     if (!looks_like_rk512(tvb))
@@ -477,11 +445,10 @@ rk512i_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
         show_reaction(&d);
     if (!d.is_cut && !d.is_snapped)
         show_data(&d);
-    else if (tvb_captured_length(tvb) > d.data_at)
-        proto_tree_add_item(d.tree, hf_rk512i_data, tvb, d.data_at, tvb_captured_length(tvb) - d.data_at,
-                            ENC_NA);
+    else
+        add_bytes(d.tree, hf_rk512i_data, tvb, d.data_at, tvb_captured_length(tvb));
     show_faults(&d);
-    show_links(&d);
+    sis_asked_show(&d.telegram->asked, d.tree, tvb, pinfo, &fields);
     queue_answer(&d);
     proto_item_append_text(d.root, ", %s", wmem_strbuf_get_str(d.words));
     col_append_fstr(pinfo->cinfo, COL_INFO, "  %s", wmem_strbuf_get_str(d.words));

@@ -61,14 +61,6 @@ sertap_kept_of_bus(wmem_map_t *buses, packet_info *pinfo, size_t size)
     return kept_value(buses, &key, sizeof key, size);
 }
 
-static line_t *
-find_line(const packet_info *pinfo)
-{
-    uint64_t key = sertap_line_key(pinfo);
-
-    return kept_value(lines, &key, sizeof key, sizeof(line_t));
-}
-
 sertap_disturbance_t
 sertap_disturbance(const sertap_record_t *record)
 {
@@ -126,15 +118,6 @@ make_room(window_t *window)
     window->times = wmem_realloc(wmem_file_scope(), window->times, window->size * sizeof *window->times);
 }
 
-/* Drops all: what was busy earlier says nothing. */
-static void
-restart(window_t *window)
-{
-    window->head = window->end = 0;
-    window->busy = 0;
-    window->has_restarted = true;
-}
-
 static void
 note_busy(window_t *window, packet_info *pinfo, const sertap_record_t *record)
 {
@@ -144,8 +127,11 @@ note_busy(window_t *window, packet_info *pinfo, const sertap_record_t *record)
 
     if (busy == 0)
         return;
-    if (window->head < window->end && end < window->times[window->end - 1].end)
-        restart(window);
+    if (window->head < window->end && end < window->times[window->end - 1].end) {
+        window->head = window->end = 0; /* what was busy earlier says nothing */
+        window->busy = 0;
+        window->has_restarted = true;
+    }
     if (window->head == window->end)
         window->begin = begin;
     make_room(window);
@@ -169,14 +155,6 @@ note_silence(const line_t *line, packet_info *pinfo, const sertap_record_t *reco
     p_add_proto_data(wmem_file_scope(), pinfo, proto_sertap, 0, silence);
 }
 
-static void
-note_last(line_t *line, packet_info *pinfo, const sertap_record_t *record)
-{
-    line->last = sertap_ns(&pinfo->abs_ts) + (int64_t)record->duration;
-    line->last_line = record->line;
-    line->is_last_known = record->is_duration_known;
-}
-
 void
 sertap_line_find_silence(packet_info *pinfo, sertap_record_t *record)
 {
@@ -193,8 +171,12 @@ sertap_line_find_silence(packet_info *pinfo, sertap_record_t *record)
 void
 sertap_line_note(packet_info *pinfo, sertap_record_t *record)
 {
-    line_t *line = record->known = find_line(pinfo);
+    uint64_t key = sertap_line_key(pinfo);
+    line_t *line = kept_value(lines, &key, sizeof key, sizeof *line);
 
+    record->known = line;
+    if (record->type == SERTAP_BEFORE)
+        return;
     note_disturbance(line, pinfo, record);
     if (record->type == SERTAP_EVENT) {
         note_event(line, pinfo, record);
@@ -203,7 +185,9 @@ sertap_line_note(packet_info *pinfo, sertap_record_t *record)
     note_busy(&line->window, pinfo, record);
     if (record->count > 0) {
         note_silence(line, pinfo, record);
-        note_last(line, pinfo, record);
+        line->last = sertap_ns(&pinfo->abs_ts) + (int64_t)record->duration;
+        line->last_line = record->line;
+        line->is_last_known = record->is_duration_known;
     }
 }
 

@@ -4,12 +4,6 @@
 
 #include <epan/proto_data.h>
 
-void
-sertap_record_keep(packet_info *pinfo, const sertap_record_t *record)
-{
-    p_add_proto_data(pinfo->pool, pinfo, proto_sertap, 0, (void *)record);
-}
-
 const sertap_record_t *
 sertap_record(packet_info *pinfo)
 {
@@ -29,6 +23,12 @@ int64_t
 sertap_interval(const sertap_record_t *record, unsigned at)
 {
     return at == 0 ? record->silence : tvb_get_ntohl(record->tvb, (int)(record->times_offset + 4 * at));
+}
+
+uint8_t
+sertap_flags(const sertap_record_t *record, unsigned at)
+{
+    return compat_get_uint8(record->tvb, record->flags_offset + at);
 }
 
 int64_t

@@ -53,11 +53,10 @@ unsigned sertap_index(const sertap_record_t *record, tvbuff_t *part);
  * line. */
 int64_t sertap_interval(const sertap_record_t *record, unsigned at);
 
+uint8_t sertap_flags(const sertap_record_t *record, unsigned at);
+
 /* The duration of a character, including start and stop bits; 0 if the rate is unknown. */
 int64_t sertap_character_ns(const sertap_record_t *record);
-
-/* For the following dissectors of this packet. */
-void sertap_record_keep(packet_info *pinfo, const sertap_record_t *record);
 
 /* Fills in the longest interval, the duration and the errors, from its arrays. */
 void sertap_record_survey(sertap_record_t *record);

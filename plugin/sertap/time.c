@@ -8,7 +8,6 @@
 #include <math.h>
 
 #define NS_PER_US INT64_C(1000)
-#define NS_PER_MS INT64_C(1000000)
 #define NS_PER_S  INT64_C(1000000000)
 
 int64_t
@@ -37,18 +36,23 @@ sertap_time(int64_t ns)
     return moment;
 }
 
+proto_item *
+sertap_add_time(proto_tree *tree, int hf, tvbuff_t *tvb, int64_t ns, const char *text)
+{
+    nstime_t time = sertap_time(ns);
+    proto_item *item = proto_tree_add_time_format_value(tree, hf, tvb, 0, 0, &time, "%s", text);
+
+    proto_item_set_generated(item);
+    return item;
+}
+
 /* Wireshark leaves out items that nobody sees or filters for, but only after their text is made.
  * A clock that is set back makes no duration. */
-proto_item *
-sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset, unsigned length,
-              wmem_allocator_t *scope, int64_t ns)
+void
+sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, wmem_allocator_t *scope, int64_t ns)
 {
-    nstime_t moment = sertap_time(ns);
-
-    if (ns < 0 || !proto_field_is_referenced(tree, hf))
-        return NULL;
-    return proto_tree_add_time_format_value(tree, hf, tvb, offset, length, &moment, "%s",
-                                            sertap_ms_text(scope, ns));
+    if (ns >= 0 && proto_field_is_referenced(tree, hf))
+        sertap_add_time(tree, hf, tvb, ns, sertap_ms_text(scope, ns));
 }
 
 void
@@ -70,8 +74,9 @@ sertap_can_be_counted(const packet_info *pinfo)
 }
 
 /* Written from its end; printf() takes ten times as long. */
-static char *
-text_with_unit(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals, const char *unit)
+char *
+sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals,
+                    const char *unit)
 {
     uint64_t magnitude = value < 0 ? -(uint64_t)value : (uint64_t)value;
     uint64_t digits = magnitude / divisor + (magnitude % divisor >= divisor - divisor / 2);
@@ -90,26 +95,8 @@ text_with_unit(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigne
     return wmem_strdup(scope, begin);
 }
 
-char *
-sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals)
-{
-    return text_with_unit(scope, value, divisor, decimals, "");
-}
-
 const char *
 sertap_ms_text(wmem_allocator_t *scope, int64_t ns)
 {
-    return text_with_unit(scope, ns, NS_PER_US, 3, " ms");
-}
-
-const char *
-sertap_exact_ms_text(wmem_allocator_t *scope, int64_t ns)
-{
-    return text_with_unit(scope, ns, 1, 6, " ms");
-}
-
-const char *
-sertap_s_text(wmem_allocator_t *scope, int64_t ns)
-{
-    return text_with_unit(scope, ns, NS_PER_MS, 3, " s");
+    return sertap_decimal_text(scope, ns, NS_PER_US, 3, " ms");
 }

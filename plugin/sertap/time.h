@@ -23,19 +23,19 @@ nstime_t sertap_time(int64_t ns);
  * years after the first packet. */
 bool sertap_can_be_counted(const packet_info *pinfo);
 
-/* `value` / `divisor`, rounded, in units of the last decimal: 12345678 / 1000 with 3 decimals is "12.346". */
-char *sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals);
+/* `value` / `divisor`, rounded, in units of the last decimal: 12345678 / 1000 with 3 decimals is "12.346";
+ * and its unit. */
+char *sertap_decimal_text(wmem_allocator_t *scope, int64_t value, uint64_t divisor, unsigned decimals,
+                          const char *unit);
 
-/* "12.346 ms", and "12.345678 ms". */
+/* "12.346 ms". */
 const char *sertap_ms_text(wmem_allocator_t *scope, int64_t ns);
-const char *sertap_exact_ms_text(wmem_allocator_t *scope, int64_t ns);
 
-/* "12.346 s". */
-const char *sertap_s_text(wmem_allocator_t *scope, int64_t ns);
+/* Adds a duration that stands for no bytes, with its text. */
+proto_item *sertap_add_time(proto_tree *tree, int hf, tvbuff_t *tvb, int64_t ns, const char *text);
 
-/* Adds a duration as "12.345 ms"; returns NULL where nobody sees it or there is none. */
-proto_item *sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, unsigned offset, unsigned length,
-                          wmem_allocator_t *scope, int64_t ns);
+/* The same as "12.345 ms", where somebody sees it and there is one. */
+void sertap_add_ms(proto_tree *tree, int hf, tvbuff_t *tvb, wmem_allocator_t *scope, int64_t ns);
 
 /* The same as a number of ms, rounded to three digits, for a column of the packet list. Hidden: the tree has
  * the time already. */

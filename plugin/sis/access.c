@@ -4,7 +4,6 @@
 
 #include <epan/to_str.h>
 
-#include "parameters/text.h"
 #include "parameters/values.h"
 #include "parts.h"
 #include "sis/address.h"
@@ -25,14 +24,14 @@ sis_access_is_wanted(proto_tree *tree)
     return tree != NULL && proto_field_is_referenced(tree, hf_sis_access);
 }
 
-/* A reaction that comes twice is counted once. */
+/* A reaction that comes twice is counted once, one from before this file not at all. */
 static bool
 is_known(const sis_body_t *body)
 {
     const sis_request_t *asked = body->asked;
 
     return body->record != NULL && body->record->reaction_before == 0 && asked != NULL && asked->has_ident &&
-           asked->element == SIS_ELEMENT_DATA && !body->is_short;
+           asked->element == SIS_ELEMENT_DATA && !body->is_short && !body->telegram->is_before;
 }
 
 static const char *
@@ -56,14 +55,6 @@ set_value(sis_access_t *access, packet_info *pinfo, tvbuff_t *tvb)
     access->is_number = text != NULL && sis_element_number(&data, &access->known, text, &number);
     access->value =
         text != NULL ? sis_text_shortened(pinfo->pool, text, SHOWN_CHARACTERS) : bytes_text(pinfo->pool, tvb);
-}
-
-static const char *
-hex_text(wmem_allocator_t *scope, tvbuff_t *data)
-{
-    unsigned length = tvb_captured_length(data);
-
-    return length > 0 ? bytes_to_str_maxlen(scope, tvb_get_ptr(data, 0, (int)length), length, 0) : "";
 }
 
 /* Of ASCII characters, and never two backslashes in a row: `tshark -T fields` doubles each since
@@ -111,6 +102,7 @@ static const char *
 json_text(wmem_allocator_t *scope, const sis_access_t *access)
 {
     wmem_strbuf_t *json = wmem_strbuf_new(scope, "");
+    unsigned length = access->data != NULL ? tvb_captured_length(access->data) : 0;
 
     wmem_strbuf_append_printf(json, "{\"access\":\"%s\"", access->is_write ? "write" : "read");
     if (access->has_master)
@@ -125,7 +117,10 @@ json_text(wmem_allocator_t *scope, const sis_access_t *access)
     if (access->is_raw)
         wmem_strbuf_append(json, ",\"raw\":true");
     if (access->data != NULL)
-        append_text(json, "data", hex_text(scope, access->data));
+        append_text(json, "data",
+                    length > 0
+                        ? bytes_to_str_maxlen(scope, tvb_get_ptr(access->data, 0, (int)length), length, 0)
+                        : "");
     append_text(json, "text", access->text);
     append_text(json, "name", access->known.name);
     append_text(json, "unit", access->known.unit);

@@ -66,12 +66,6 @@ sis_sender_kind(uint8_t sender)
     return kind_of(editions[pref_sis_edition].senders, sender);
 }
 
-const char *
-sis_kind_text(sis_address_kind_t kind)
-{
-    return val_to_str_const(kind, sis_address_kinds, "");
-}
-
 bool
 sis_is_answered(uint8_t receiver)
 {
@@ -123,30 +117,11 @@ address_length(void)
     return 1;
 }
 
-/* Follow's window shows this form of an address only. */
-static const char *
-number_of(const address *addr)
-{
-    return numbers[*(const uint8_t *)addr->data];
-}
-
-static int
-name_length(void)
-{
-    return ADDRESS_TEXT_SIZE;
-}
-
 /* The field for "Apply as Filter" on the column. */
 static const char *
 address_filter(const address *addr _U_, compat_bool is_source)
 {
     return is_source ? "sis.talker" : "sis.listener";
-}
-
-void
-sis_station_address(address *addr, const uint8_t *station)
-{
-    set_address(addr, station_type, 1, station);
 }
 
 /* A TCP segment keeps its IP addresses: TCP's reassembly needs them to find the stream. */
@@ -171,5 +146,5 @@ sis_address_register(void)
     }
     station_type =
         address_type_dissector_register("AT_SIS", "SIS station", address_to_text, address_text_length, NULL,
-                                        address_filter, address_length, number_of, name_length);
+                                        address_filter, address_length, NULL, NULL);
 }

@@ -2,7 +2,7 @@
 /* The useful data of one service, read field by field (chapters 2.1 and 2.3). */
 #include "sis/body.h"
 
-#include "parameters/text.h"
+#include "parameters/values.h"
 
 bool
 sis_has_exchange(const sis_body_t *body)
@@ -38,7 +38,7 @@ sis_say_words(sis_body_t *body, const char *word, ...)
 }
 
 void
-sis_say_bytes(sis_body_t *body, unsigned count)
+sis_say_bytes(sis_body_t *body, const char *before, unsigned count)
 {
     char digits[12], *begin = digits + sizeof digits;
     unsigned rest = count;
@@ -48,7 +48,7 @@ sis_say_bytes(sis_body_t *body, unsigned count)
         *--begin = (char)('0' + rest % 10);
         rest /= 10;
     } while (rest > 0);
-    sis_say_words(body, begin, count == 1 ? " byte" : " bytes", NULL);
+    sis_say_words(body, before, begin, count == 1 ? " byte" : " bytes", NULL);
 }
 
 void
@@ -217,17 +217,8 @@ take_item_bytes(sis_body_t *body, const sis_item_t *item)
     unsigned length = sis_left(body);
 
     sis_needs(body, *item->hf, 1);
-    if (sis_take_rest(body, *item->hf)) {
-        sis_say_words(body, ", ", NULL);
-        sis_say_bytes(body, length);
-    }
-}
-
-/* The bytes of an integer; 0: it is something else. */
-static unsigned
-size_of(enum ftenum type)
-{
-    return type == FT_UINT8 ? 1 : type == FT_UINT16 ? 2 : type == FT_UINT32 ? 4 : 0;
+    if (sis_take_rest(body, *item->hf))
+        sis_say_bytes(body, ", ", length);
 }
 
 /* As its field says: text, bytes, a code or a number. */
@@ -235,13 +226,15 @@ static void
 take_item(sis_body_t *body, const sis_item_t *item)
 {
     const header_field_info *field = proto_registrar_get_nth((unsigned)*item->hf);
+    enum ftenum type = field->type;
+    unsigned size = type == FT_UINT8 ? 1 : type == FT_UINT16 ? 2 : type == FT_UINT32 ? 4 : 0;
     uint32_t value;
 
-    if (field->type == FT_STRING) {
+    if (type == FT_STRING) {
         sis_take_text(body, *item->hf);
-    } else if (field->type == FT_BYTES) {
+    } else if (type == FT_BYTES) {
         take_item_bytes(body, item);
-    } else if (item->size == 0 || item->size != size_of(field->type)) {
+    } else if (size == 0 || item->size != size) {
         sis_take_rest(body, hf_sis_raw); /* protocol/checks.py lets none pass */
     } else if (item->codes != NULL) {
         take_item_code(body, item);

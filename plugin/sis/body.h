@@ -41,6 +41,9 @@ typedef struct sis_body {
     uint32_t phase;   /* of a reaction */
 } sis_body_t;
 
+/* Decodes a whole body, status byte first; marks bytes that are left over (dispatch.c). */
+void sis_dissect_body(sis_body_t *body);
+
 /* Whether the telegram is a good one, whose exchange is known. */
 bool sis_has_exchange(const sis_body_t *body);
 
@@ -128,8 +131,8 @@ void sis_say(sis_body_t *body, const char *format, ...) G_GNUC_PRINTF(2, 3);
 /* The same for plain strings, after the last of which stands NULL: printf() is half of what a telegram costs.
  */
 void sis_say_words(sis_body_t *body, const char *word, ...) G_GNUC_NULL_TERMINATED;
-/* "1 byte", "7 bytes". */
-void sis_say_bytes(sis_body_t *body, unsigned count);
+/* "1 byte", "7 bytes", behind a word. */
+void sis_say_bytes(sis_body_t *body, const char *before, unsigned count);
 void sis_mark(sis_body_t *body, expert_field *ei, const char *format, ...) G_GNUC_PRINTF(3, 4);
 
 #endif

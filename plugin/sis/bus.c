@@ -122,12 +122,6 @@ learn(struct sis_told *told, uint8_t address, const sis_request_t *request, uint
     }
 }
 
-static bool
-is_broadcast(sis_address_kind_t kind)
-{
-    return kind == SIS_LEVEL_BROADCAST || kind == SIS_GLOBAL_BROADCAST;
-}
-
 /* Settings through a router are for another line. A slave reacts to 0xFF with the new values already. */
 void
 sis_bus_learn(sis_body_t *body)
@@ -135,7 +129,8 @@ sis_bus_learn(sis_body_t *body)
     const sis_telegram_t *telegram = body->telegram;
     const sis_request_t *first = sis_request_of(body), *request = first;
     const sis_exchange_t *exchange = body->record->exchange;
-    bool is_for_all = is_broadcast(sis_receiver_kind(telegram->receiver));
+    sis_address_kind_t kind = sis_receiver_kind(telegram->receiver);
+    bool is_for_all = kind == SIS_LEVEL_BROADCAST || kind == SIS_GLOBAL_BROADCAST;
     struct sis_told *told;
     uint8_t address;
 
@@ -152,25 +147,6 @@ sis_bus_learn(sis_body_t *body)
         learn(told, address, request, exchange->command_in, body->pinfo->num, telegram->times.end);
         if (body->is_reaction && request->subservice == SIS_ACCEPT)
             body->record->settings = sis_bus_settings(exchange->stream->bus, address, telegram->times.begin);
-    }
-}
-
-void
-sis_bus_recall(sis_bus_t *bus, const sis_recalled_t *recalled, uint32_t event_in)
-{
-    struct sis_told *told = told_of(bus);
-    station_t *station;
-    sis_setting_t setting = {.value = recalled->value, .set_in = event_in, .order = ++told->last_order};
-
-    forget_known(told);
-    station = make_station(told, recalled->address);
-    if (recalled->test_end != 0) {
-        station->test = (test_t){setting, recalled->test_end};
-    } else if (recalled->is_accepted) {
-        setting.accepted_in = event_in;
-        station->valid.of[recalled->kind] = setting;
-    } else {
-        station->told.of[recalled->kind] = setting;
     }
 }
 

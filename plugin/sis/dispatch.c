@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Chooses the file that decodes a service; decodes the status byte at the beginning; and decodes service
  * 0x04, a list of services (chapter 7), whose elements stand for telegrams. */
-#include "sis/dispatch.h"
+#include "sis/body.h"
 
 #include "protocol/services.h"
 #include "sis/learn.h"
@@ -23,22 +23,16 @@ static const struct {
     {0x1E, sis_dissect_parameter},      {0x1F, sis_dissect_parameter},
 };
 
-static bool
-is_phase_service(uint8_t service)
-{
-    return sis_general_service(service) == 0x12 || sis_general_service(service) == 0x1D;
-}
-
 static void
 take_status(sis_body_t *body)
 {
+    uint8_t status, general = sis_general_service(body->service);
     const char *text = NULL;
-    uint8_t status;
 
     if (!sis_needs(body, hf_sis_status, 1))
         return;
     status = compat_get_uint8(body->tvb, body->offset);
-    if (is_phase_service(body->service))
+    if (general == 0x12 || general == 0x1D)
         text = try_val_to_str(status, sis_status_phase);
     if (text == NULL)
         text = rval_to_str_const(status, sis_status, "");
@@ -61,12 +55,6 @@ mark_status(const sis_body_t *body)
                                                : &ei_sis_status_telegram_error,
                            "Status: %s", body->status_text);
     wmem_strbuf_append_printf(body->marks, "  [status: %s]", body->status_text);
-}
-
-static bool
-is_product_group(uint8_t service)
-{
-    return service >= 0x80 && !sis_service_is_reserved(service);
 }
 
 /* Some product groups send ASCII records (chapter 2.1). */
@@ -145,9 +133,10 @@ static void
 decode(sis_body_t *body)
 {
     body_dissector_t dissect = find_dissector_of(body->service);
+    bool is_product_group = body->service >= 0x80 && !sis_service_is_reserved(body->service);
 
-    if (dissect == NULL && is_product_group(body->service) && is_plain_text(body)) {
-        sis_take_text(body, hf_sis_text); /* a record of a product group, without a status */
+    if (dissect == NULL && is_product_group && is_plain_text(body)) {
+        sis_take_text(body, hf_sis_text); /* without a status */
         return;
     }
     if (body->is_reaction && sis_has_status(body->service))
@@ -172,15 +161,6 @@ sis_dissect_body(sis_body_t *body)
     show_leftover(body);
     if (has_exchange)
         sis_sequence_show(body);
-}
-
-static void
-add_error(sis_body_t *list, const sis_body_t *element)
-{
-    sis_error_t *error = wmem_new(list->pinfo->pool, sis_error_t);
-
-    *error = (sis_error_t){element->error, element->error_text, list->errors};
-    list->errors = error;
 }
 
 /* The elements of a command that no element of the reaction has answered yet. */
@@ -266,8 +246,11 @@ dissect_element_body(sis_body_t *list, proto_item *root, unsigned number, uint8_
     if (!list->is_reaction)
         element.request = sis_request_add(list, service);
     sis_dissect_body(&element);
-    if (element.error_text != NULL)
-        add_error(list, &element);
+    if (element.error_text != NULL) {
+        sis_error_t error = {element.error, element.error_text, list->errors};
+
+        list->errors = wmem_memdup(pool, &error, sizeof error);
+    }
     commands->is_one_unknown |= element.status != 0 || !sis_has_status(service);
     if (list->is_reaction && list->status == 0 && element.status != 0) {
         list->item = root;

@@ -22,19 +22,10 @@ learn_settings(sis_record_t *record, sis_bus_t *bus, packet_info *pinfo, const s
         address = SIS_ALL_STATIONS;
     if (times->record != NULL)
         sis_bus_learn_limits(bus, sertap_limits(times->record));
-    sis_cycle_heard(bus, times, pinfo->num);
+    if (!telegram->is_before)
+        sis_cycle_heard(bus, times, pinfo->num);
     record->settings = sis_bus_settings(bus, address, times->begin);
     record->load = times->record != NULL ? sertap_load(times->record) : -1;
-}
-
-/* Of a telegram that the first pass did not see: TCP reassembled its segments differently. */
-static sis_record_t *
-unseen_record(packet_info *pinfo)
-{
-    sis_record_t *record = wmem_new0(pinfo->pool, sis_record_t);
-
-    record->load = -1;
-    return record;
 }
 
 sis_record_t *
@@ -50,8 +41,11 @@ sis_learn_telegram(tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *tele
         learn_settings(record, bus, pinfo, telegram);
     }
     if (record == NULL || record->service != telegram->service ||
-        record->is_reaction != telegram->is_reaction)
-        return unseen_record(pinfo);
+        record->is_reaction != telegram->is_reaction) {
+        /* The first pass did not see it: TCP reassembled its segments differently. */
+        record = wmem_new0(pinfo->pool, sis_record_t);
+        record->load = -1;
+    }
     return record;
 }
 
@@ -65,6 +59,7 @@ sis_learn_body(sis_body_t *body)
     sis_sequence_learn(body);
     if (body->element == 0 && !body->is_reaction) {
         body->request->is_read = true;
-        sis_cycle_learn(body);
+        if (!body->telegram->is_before)
+            sis_cycle_learn(body);
     }
 }

@@ -56,9 +56,10 @@ sis_may_answer_subservice(uint8_t service, uint8_t asked, uint8_t answered)
 bool
 sis_service_is_reserved(uint8_t service)
 {
-    uint32_t last = service_entry(service)->value_max; /* of the range that it is in */
+    const range_string *range = service_entry(service);
 
-    return last == LAST_GENERAL || last == LAST_RESERVED;
+    return range->value_min < range->value_max &&
+           (range->value_max == LAST_GENERAL || range->value_max == LAST_RESERVED);
 }
 
 uint8_t

@@ -6,17 +6,13 @@
 #include <epan/tap.h>
 
 #include "items.h"
-#include "parameters/text.h"
+#include "parameters/values.h"
 #include "parts.h"
 #include "protocol/limits.h"
 #include "sis/address.h"
-#include "sis/dispatch.h"
 #include "sis/learn.h"
-#include "sis/packed.h"
 #include "sis/segments.h"
 #include "sis/timing.h"
-
-#define MAX_SUBADDRESSES 7
 
 dissector_handle_t sis_handle;
 
@@ -190,7 +186,7 @@ dissect_sender(const dissection_t *d)
     uint8_t sender = d->telegram->sender;
     sis_address_kind_t kind = sis_sender_kind(sender);
     proto_item *ti = proto_tree_add_uint_format_value(d->tree, hf_sis_sender, d->tvb, 6, 1, sender, "%u (%s)",
-                                                      sender, sis_kind_text(kind));
+                                                      sender, val_to_str_const(kind, sis_address_kinds, ""));
 
     if (kind == SIS_SERVICE_MASTER)
         mark(d, ti, &ei_sis_sender_service_master, "service address 127");
@@ -204,7 +200,7 @@ dissect_receiver(const dissection_t *d, int hf, unsigned offset, bool is_last)
 {
     uint8_t receiver = compat_get_uint8(d->tvb, offset);
     sis_address_kind_t kind = sis_receiver_kind(receiver);
-    const char *text = sis_kind_text(kind);
+    const char *text = val_to_str_const(kind, sis_address_kinds, "");
     proto_item *ti;
 
     if (hf == hf_sis_subaddress)
@@ -305,8 +301,7 @@ show_reaction(const dissection_t *d)
                                exchange->reaction_time == 0 ? "in the same read"
                                                             : "whose end has a later time");
     else if (exchange->has_time && d->tree != NULL) {
-        proto_item_set_generated(sertap_add_ms(d->tree, hf_sis_reaction_time, d->tvb, 0, 0, d->pinfo->pool,
-                                               exchange->reaction_time));
+        sertap_add_ms(d->tree, hf_sis_reaction_time, d->tvb, d->pinfo->pool, exchange->reaction_time);
         sertap_add_column_ms(d->tree, hf_sis_reaction_time_ms, d->tvb, exchange->reaction_time);
     }
 }
@@ -365,21 +360,13 @@ dissect_useful_data(const dissection_t *d)
     if (telegram->is_good)
         show_relations(d);
     sis_dissect_body(&body);
-    sis_timing_dissect(d->telegram, d->record, &body);
+    if (!telegram->is_before)
+        sis_timing_dissect(d->telegram, d->record, &body);
     d->telegram->status_text = body.status_text;
     d->telegram->error_text = body.error_text;
     d->telegram->error = body.error;
     d->telegram->errors = body.errors;
     return wmem_strbuf_get_str(body.summary);
-}
-
-static void
-dissect_trailer(const dissection_t *d)
-{
-    unsigned there = tvb_captured_length(d->tvb);
-
-    if (d->end < there)
-        proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, d->end, there - d->end, ENC_NA);
 }
 
 /* "3" or, through routers, "3/2/8". */
@@ -459,7 +446,7 @@ dissect_whole_telegram(dissection_t *d)
     dissect_service(d);
     dissect_addresses(d);
     words = dissect_useful_data(d);
-    dissect_trailer(d);
+    add_bytes(d->tree, hf_sis_raw, d->tvb, d->end, tvb_captured_length(d->tvb));
 
     stations = stations_text(d);
     kind = d->telegram->is_reaction ? "Reaction" : "Command";
@@ -469,7 +456,8 @@ dissect_whole_telegram(dissection_t *d)
         proto_item_append_text(d->root, ", %s, %s, %s", stations, kind,
                                sis_text_shortened(d->pinfo->pool, words, HEAD_LENGTH));
     packet->last = d->telegram;
-    tap_queue_packet(sis_tap, d->pinfo, d->telegram);
+    if (!d->telegram->is_before)
+        tap_queue_packet(sis_tap, d->pinfo, d->telegram);
 }
 
 /* Fewer than the 8 bytes of every telegram. */
@@ -481,8 +469,7 @@ dissect_stump(const dissection_t *d)
     dissect_start(d);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "Cut telegram, %u of at least %u bytes%s", there,
                     SIS_STATIC_LENGTH, wmem_strbuf_get_str(d->marks));
-    if (d->end > 1)
-        proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 1, d->end - 1, ENC_NA);
+    add_bytes(d->tree, hf_sis_raw, d->tvb, 1, d->end);
     expert_add_info(d->pinfo, d->root, &ei_sis_length_short);
 }
 

@@ -68,22 +68,15 @@ sis_put_together(sis_pieces_t kind, proto_tree *tree, packet_info *pinfo, tvbuff
     return NULL;
 }
 
-/* The number of a piece; only in the first pass. */
-static unsigned
-count_piece(const packet_info *pinfo, state_t *state)
-{
-    if (state->count == SIS_MOST_PIECES)
-        state->full_in = pinfo->num;
-    return state->count++;
-}
-
 tvbuff_t *
 sis_put_next(proto_tree *tree, packet_info *pinfo, tvbuff_t *piece, uint32_t transfer, bool is_last)
 {
     uint64_t key = transfer;
     state_t *state = kept_value(states, &key, sizeof key, sizeof *state);
-    unsigned number = pinfo->fd->visited ? 0 : count_piece(pinfo, state);
+    unsigned number = pinfo->fd->visited ? 0 : state->count++;
 
+    if (!pinfo->fd->visited && number == SIS_MOST_PIECES)
+        state->full_in = pinfo->num;
     if (state->full_in != 0 && pinfo->num >= state->full_in) { /* this one, or one after it */
         expert_add_info(pinfo, proto_tree_get_parent(tree), &ei_synax_pieces_too_many);
         return NULL;
@@ -98,6 +91,6 @@ sis_pieces_register(void)
                                                          transfer_key,  free_nothing,   free_nothing};
 
     reassembly_table_register(&table, &functions);
-    counters = kept_map_of_pointers();
+    counters = kept_map(g_direct_hash, g_direct_equal);
     states = kept_map_of_numbers();
 }

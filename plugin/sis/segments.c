@@ -14,7 +14,6 @@
 #define SB       0xFA
 #define WILL     0xFB
 #define DO       0xFD
-#define DONT     0xFE
 #define COM_PORT 0x2C /* the option of RFC 2217; what else serial lines need has smaller numbers */
 
 #define NEGOTIATION_LENGTH 3u /* that shows what it is; fewer bytes may become one */
@@ -77,14 +76,6 @@ sis_segments_look(tvbuff_t *tvb, packet_info *pinfo)
                                     GUINT_TO_POINTER(pinfo->num));
 }
 
-static bool
-is_telnet(packet_info *pinfo)
-{
-    uint32_t from = telnet_from(pinfo);
-
-    return from != 0 && from <= pinfo->num;
-}
-
 static characters_t
 characters_of(tvbuff_t *tvb, packet_info *pinfo)
 {
@@ -121,9 +112,11 @@ sis_segments_dissect(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree,
 {
     unsigned there = tvb_captured_length(tvb);
     characters_t left = {tvb, NULL, there};
+    uint32_t from;
 
     sis_segments_look(tvb, pinfo);
-    if (is_telnet(pinfo))
+    from = telnet_from(pinfo);
+    if (from != 0 && from <= pinfo->num)
         left = characters_of(tvb, pinfo);
     else if (pinfo->can_desegment && there < NEGOTIATION_LENGTH && command_length(tvb, 0) > there)
         left.end = 0;

@@ -164,12 +164,6 @@ is_taken_before(const sis_body_t *body)
     return body->request->is_again;
 }
 
-static unsigned
-damaged_since(const transfer_t *transfer, const sis_exchange_t *exchange)
-{
-    return exchange->stream->bus->damaged_count - transfer->damaged_count;
-}
-
 /* Whether a piece may have been lost since the one before: lost characters; the damaged reaction to a
  * command that was then repeated; or a damaged command with its damaged reaction. Not if the slave repeats
  * the reaction that it has kept. */
@@ -177,11 +171,11 @@ static bool
 is_piece_missing(const sis_record_t *record, const transfer_t *transfer)
 {
     const sis_exchange_t *exchange = record->exchange;
+    const sis_bus_t *bus = exchange->stream->bus;
     unsigned enough = record->is_reaction && exchange->first != NULL ? 1 : 2;
 
-    if (exchange->stream->bus->lost_in > transfer->last_in)
-        return true;
-    return !exchange->is_reaction_kept && damaged_since(transfer, exchange) >= enough;
+    return bus->lost_in > transfer->last_in ||
+           (!exchange->is_reaction_kept && bus->damaged_count - transfer->damaged_count >= enough);
 }
 
 /* The number of bytes of a list, if this is its first piece and has length words (a SERCOS list: bytes used,

@@ -42,6 +42,7 @@ typedef struct {
     tvbuff_t *tvb;     /* begins with it; what is no part of it may follow */
     unsigned length;   /* of its bytes in the packet, without those that follow it */
     unsigned declared; /* declared bytes; 0: unknown */
+    bool is_before;    /* from before this file: learned from, not counted, not judged */
     bool is_good;      /* start character, equal lengths, complete, checksum */
     uint8_t control;
     uint8_t service;
@@ -74,5 +75,10 @@ sis_packet_t *sis_packet(packet_info *pinfo);
 
 /* Reads the header of a telegram with all its 8 bytes. */
 sis_telegram_t *sis_telegram_read(tvbuff_t *tvb, packet_info *pinfo);
+
+/* Which fields are whose, where TCP has put several telegrams into a packet: `tshark -T fields` prints all
+ * values of a field together. So each telegram but the first says which fields it has, and how many values of
+ * each: the rest is of the first. Call it last. */
+void sis_tell_packed(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree);
 
 #endif

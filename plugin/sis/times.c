@@ -12,18 +12,6 @@
 /* Character times are taken slightly short: a transmitter may be that much faster than its nominal rate. */
 #define SHORTEST_CHARACTER(ns) ((ns)*98 / 100)
 
-static uint8_t
-flags_of(const sertap_record_t *record, unsigned character)
-{
-    return compat_get_uint8(record->tvb, record->flags_offset + character);
-}
-
-static int64_t
-interval_of(const sertap_record_t *record, unsigned character)
-{
-    return tvb_get_ntohl(record->tvb, record->times_offset + 4 * character);
-}
-
 /* The number of characters of the telegram from the read that begins with `character`. */
 static unsigned
 read_size(const sis_times_t *times, unsigned character)
@@ -32,7 +20,7 @@ read_size(const sis_times_t *times, unsigned character)
 
     if (!(times->record->flags & SERTAP_SAME_READ))
         return 1;
-    while (next < end && flags_of(times->record, next) & SERTAP_SAME_READ)
+    while (next < end && sertap_flags(times->record, next) & SERTAP_SAME_READ)
         next++;
     return next - character;
 }
@@ -59,21 +47,14 @@ read_at(const sis_times_t *times, unsigned character)
 }
 
 static void
-bound_begin(sis_times_t *times)
+bound(sis_times_t *times)
 {
+    unsigned last = times->first + times->count - 1;
     read_t read = read_at(times, times->first);
 
     times->begin_earliest = times->begin - read.earliest;
     times->begin_latest = times->begin - read.others;
-}
-
-static void
-bound_end(sis_times_t *times)
-{
-    unsigned last = times->first + times->count - 1;
-    read_t read;
-
-    while (last > times->first && flags_of(times->record, last) & SERTAP_SAME_READ)
+    while (last > times->first && sertap_flags(times->record, last) & SERTAP_SAME_READ)
         last--;
     read = read_at(times, last);
     times->end_earliest = times->end - read.earliest + read.others;
@@ -90,7 +71,7 @@ moment_of(const sertap_record_t *record, unsigned character, int64_t begin, cons
         begin = before->end;
     }
     while (at < character)
-        begin += interval_of(record, ++at);
+        begin += sertap_interval(record, ++at);
     return begin;
 }
 
@@ -114,13 +95,11 @@ sis_times(tvbuff_t *tvb, packet_info *pinfo, unsigned length, const sis_times_t 
     if (length < record->timed) {
         times.end = times.begin;
         for (unsigned i = first + 1; i < first + length; i++)
-            times.end += interval_of(record, i);
+            times.end += sertap_interval(record, i);
     }
     times.is_bounded = record->uncertainty != SERTAP_UNCERTAINTY_UNKNOWN;
-    if (times.is_bounded) {
-        bound_begin(&times);
-        bound_end(&times);
-    }
+    if (times.is_bounded)
+        bound(&times);
     return times;
 }
 
@@ -139,8 +118,8 @@ find_reads(const sis_times_t *times, read_t *reads)
 
     for (unsigned i = times->first; i < times->first + times->count; i += reads[count++].size) {
         reads[count] = read_at(times, i);
-        reads[count].interval = interval_of(times->record, i);
-        reads[count].flags = flags_of(times->record, i);
+        reads[count].interval = sertap_interval(times->record, i);
+        reads[count].flags = sertap_flags(times->record, i);
     }
     if (!times->is_bounded)
         return count;
@@ -266,7 +245,7 @@ sis_longest(wmem_allocator_t *scope, const sis_times_t *times, int64_t limit, si
         if (read->size > 1) {
             interval = (sis_interval_t){.at = read->first - times->first + 2};
             interval.span = span_inside(times, read);
-            consider(&longest, times, interval, flags_of(times->record, read->first + 1), &measure);
+            consider(&longest, times, interval, sertap_flags(times->record, read->first + 1), &measure);
         }
     }
     return longest;

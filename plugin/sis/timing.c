@@ -63,7 +63,8 @@ ms_text(const timing_t *t, int64_t ns)
 {
     bool is_close = ns % MS != 0 && (ns + 500) % MS < 1000;
 
-    return is_close ? sertap_exact_ms_text(t->pinfo->pool, ns) : sertap_ms_text(t->pinfo->pool, ns);
+    return is_close ? sertap_decimal_text(t->pinfo->pool, ns, 1, 6, " ms")
+                    : sertap_ms_text(t->pinfo->pool, ns);
 }
 
 static const char *
@@ -81,11 +82,7 @@ span_text(const timing_t *t, const sis_span_t *span)
 static proto_item *
 add_time(const timing_t *t, int hf, int64_t ns, const char *text)
 {
-    nstime_t value = sertap_time(ns);
-    proto_item *item = proto_tree_add_time_format_value(t->tree, hf, t->body->tvb, 0, 0, &value, "%s", text);
-
-    proto_item_set_generated(item);
-    return item;
+    return sertap_add_time(t->tree, hf, t->body->tvb, ns, text);
 }
 
 static const sis_setting_t *
@@ -322,8 +319,8 @@ show_bus(const timing_t *t)
     }
     if (t->record->load >= 0 && proto_field_is_referenced(t->tree, hf_sis_bus_load))
         proto_item_set_generated(proto_tree_add_double_format_value(
-            t->tree, hf_sis_bus_load, t->body->tvb, 0, 0, t->record->load, "%s %%",
-            sertap_decimal_text(t->pinfo->pool, lround(t->record->load * 10.0), 1, 1)));
+            t->tree, hf_sis_bus_load, t->body->tvb, 0, 0, t->record->load, "%s",
+            sertap_decimal_text(t->pinfo->pool, lround(t->record->load * 10.0), 1, 1, " %")));
 }
 
 static void
@@ -353,14 +350,11 @@ find_silence(sis_timing_t *timing, const sis_times_t *times)
 
     if (record == NULL)
         return;
-    flags = compat_get_uint8(record->tvb, record->flags_offset + times->first);
+    flags = sertap_flags(record, times->first);
     timing->has_silence = !(flags & unknown);
-    timing->is_silence_known = !(flags & SERTAP_INTERVAL_SATURATED);
-    timing->silence = tvb_get_ntohl(record->tvb, record->times_offset + 4 * times->first);
-    if (times->first == 0) {
-        timing->silence = record->silence;
-        timing->is_silence_known = record->is_silence_known;
-    }
+    timing->is_silence_known =
+        times->first == 0 ? record->is_silence_known : !(flags & SERTAP_INTERVAL_SATURATED);
+    timing->silence = sertap_interval(record, times->first);
 }
 
 /* Examining every interval takes time: only if it is displayed or counted, or if there is a limit. */
@@ -393,22 +387,6 @@ find_timing(timing_t *t)
     timing->wait = exchange != NULL && !t->telegram->is_reaction ? exchange->wait : -1;
 }
 
-static bool
-is_anything_known(const timing_t *t)
-{
-    return t->timing->has_silence || t->timing->longest.interval.at > 0 || t->timing->trs > 0 ||
-           t->timing->wait >= 0 || sis_rare(t->record, 0)->cycle != NULL || is_rate_known(t) ||
-           t->record->load >= 0;
-}
-
-/* Then there may be an expert item, which counts even without a tree. */
-static bool
-is_anything_judged(const timing_t *t)
-{
-    return t->timing->tza > 0 || t->timing->trs > 0 || t->timing->wait >= 0 ||
-           sis_rare(t->record, 0)->cycle != NULL || is_rate_known(t);
-}
-
 static void
 show(timing_t *t)
 {
@@ -434,9 +412,15 @@ sis_timing_dissect(sis_telegram_t *telegram, const sis_record_t *record, const s
                   .record = record,
                   .body = body,
                   .pinfo = body->pinfo};
+    const sis_timing_t *timing = &telegram->timing;
+    bool has_more, is_known;
 
     telegram->record = record;
     find_timing(&t);
-    if ((body->tree != NULL || is_anything_judged(&t)) && is_anything_known(&t))
+    has_more =
+        timing->trs > 0 || timing->wait >= 0 || sis_rare(record, 0)->cycle != NULL || is_rate_known(&t);
+    is_known = has_more || timing->has_silence || timing->longest.interval.at > 0 || record->load >= 0;
+    /* After a verdict there may be an expert item, which counts even without a tree. */
+    if (is_known && (body->tree != NULL || has_more || timing->tza > 0))
         show(&t);
 }

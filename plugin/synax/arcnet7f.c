@@ -7,7 +7,7 @@
 #include "kept.h"
 #include "parameters/ident.h"
 #include "protocol/fields.h"
-#include "sertap/time.h"
+#include "sis/asked.h"
 #include "sis/pieces.h"
 #include "rk512/head.h"
 #include "synax/ways.h"
@@ -43,11 +43,9 @@ typedef struct {
 
 /* What is kept of a telegram. */
 typedef struct {
-    uint32_t request_in; /* 0: none; the same for the other two */
-    uint32_t answer_in;
-    uint32_t unanswered_in; /* an earlier request that nobody answered */
-    nstime_t answer_time;
-    transfer_t *transfer; /* whose piece it is */
+    sis_asked_t asked;
+    uint32_t unanswered_in; /* an earlier request that nobody answered; 0: none */
+    transfer_t *transfer;   /* whose piece it is */
     bool is_last_piece;
     bool is_out_of_order; /* its message number */
 } kept_t;
@@ -56,8 +54,6 @@ typedef struct {
 typedef struct {
     synax_way_t key;
     kept_t *request; /* waiting for its answer */
-    uint32_t request_in;
-    nstime_t request_time;
     uint64_t subject;
     transfer_t *transfer;
 } way_t;
@@ -88,18 +84,11 @@ mark(telegram_t *t, proto_item *item, expert_field *ei, const char *text)
     expert_add_info_format(t->pinfo, item != NULL ? item : t->root, ei, "%s", text);
 }
 
-static void
-add_raw(telegram_t *t, unsigned offset, unsigned end)
-{
-    if (end > offset)
-        proto_tree_add_item(t->tree, hf_sis_raw, t->tvb, offset, end - offset, ENC_NA);
-}
-
 /* Not documented. */
 static void
 give_up(telegram_t *t, unsigned offset, const char *text)
 {
-    add_raw(t, offset, t->end);
+    add_bytes(t->tree, hf_sis_raw, t->tvb, offset, t->end);
     mark(t, NULL, &ei_synax_note, text);
     wmem_strbuf_append_printf(t->words, "%s%s", wmem_strbuf_get_len(t->words) > 0 ? ": " : "", text);
 }
@@ -124,7 +113,7 @@ add_short_head(telegram_t *t)
     }
     if (offset == SHORT_HEAD)
         return true;
-    add_raw(t, offset, t->end);
+    add_bytes(t->tree, hf_sis_raw, t->tvb, offset, t->end);
     if (t->whole < SHORT_HEAD)
         expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "The head is cut");
     wmem_strbuf_append(t->words, "Cut telegram");
@@ -156,7 +145,7 @@ check_extent(telegram_t *t)
     if (t->is_short)
         expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "Fewer bytes than the length says");
     if (there > t->whole) {
-        add_raw(t, t->end, tvb_captured_length(t->tvb));
+        add_bytes(t->tree, hf_sis_raw, t->tvb, t->end, tvb_captured_length(t->tvb));
         expert_add_info_format(t->pinfo, t->root, &ei_synax_unexpected, "Bytes after the telegram");
     }
 }
@@ -177,28 +166,6 @@ subject_of(const telegram_t *t)
     return (uint64_t)(compat_get_uint8(t->tvb, SHORT_HEAD) & 1) << 32 | tvb_get_ntohl(t->tvb, BLOCK_AT);
 }
 
-static void
-ask(const telegram_t *t, way_t *way)
-{
-    if (way->request != NULL)
-        t->kept->unanswered_in = way->request_in;
-    way->request = t->kept;
-    way->request_in = t->pinfo->num;
-    way->request_time = t->pinfo->abs_ts;
-    way->subject = subject_of(t);
-}
-
-static void
-answer(const telegram_t *t, way_t *way)
-{
-    if (way->request == NULL || way->subject != subject_of(t))
-        return;
-    way->request->answer_in = t->pinfo->num;
-    t->kept->request_in = way->request_in;
-    nstime_delta(&t->kept->answer_time, &t->pinfo->abs_ts, &way->request_time);
-    way->request = NULL;
-}
-
 /* The number of bytes of a list by its length words; 0: it has none, or they are wrong. */
 static unsigned
 announced_by(const telegram_t *t)
@@ -212,12 +179,6 @@ announced_by(const telegram_t *t)
     return actual <= tvb_get_letohs(t->tvb, HEAD + 2) ? actual + LENGTH_WORDS : 0;
 }
 
-static bool
-says_last(const telegram_t *t)
-{
-    return compat_get_uint8(t->tvb, SHORT_HEAD) & 2;
-}
-
 /* A list begins. If the info access says that nothing follows, the data may be a value that looks like
  * length words. So a list under way continues, and a follow-up decides. */
 static void
@@ -225,17 +186,18 @@ begin_transfer(const telegram_t *t, way_t *way)
 {
     unsigned announced = announced_by(t);
     bool is_cancel = t->is_block && compat_get_uint8(t->tvb, BLOCK_AT) == CANCEL_BLOCK;
+    bool is_last = compat_get_uint8(t->tvb, SHORT_HEAD) & SYNAX_INFO_LAST;
     transfer_t *transfer;
 
-    if (is_cancel || (t->is_cut && !says_last(t)))
+    if (is_cancel || (t->is_cut && !is_last))
         way->transfer = NULL;
     if (t->is_short || t->is_cut || announced <= t->end - HEAD ||
-        (says_last(t) && way->transfer != NULL && !way->transfer->is_last))
+        (is_last && way->transfer != NULL && !way->transfer->is_last))
         return;
     transfer = wmem_new0(wmem_file_scope(), transfer_t);
     transfer->ident =
         (sis_ident_t){.type = compat_get_uint8(t->tvb, 10), .number = tvb_get_letohs(t->tvb, 11)};
-    transfer->is_last = says_last(t);
+    transfer->is_last = is_last;
     transfer->number = sis_next_transfer();
     transfer->begun_in = t->pinfo->num;
     transfer->announced = announced;
@@ -243,18 +205,11 @@ begin_transfer(const telegram_t *t, way_t *way)
     way->transfer = t->kept->transfer = transfer;
 }
 
-/* They count up (pages 7-20 and 7-27). */
-static unsigned
-next_message(unsigned number)
-{
-    return number < FOLLOW_UP_MESSAGE_END ? number + 1 : FOLLOW_UP_MESSAGES;
-}
-
 static void
 continue_transfer(const telegram_t *t, way_t *way)
 {
     transfer_t *transfer = way->transfer;
-    unsigned message = tvb_get_letohs(t->tvb, 1);
+    unsigned message = tvb_get_letohs(t->tvb, 1), before;
 
     if (transfer == NULL)
         return;
@@ -263,7 +218,8 @@ continue_transfer(const telegram_t *t, way_t *way)
         return;
     }
     t->kept->transfer = transfer;
-    t->kept->is_out_of_order = transfer->message != 0 && message != next_message(transfer->message);
+    before = message > FOLLOW_UP_MESSAGES ? message - 1 : FOLLOW_UP_MESSAGE_END; /* pages 7-20 and 7-27 */
+    t->kept->is_out_of_order = transfer->message != 0 && transfer->message != before;
     transfer->message = message;
     transfer->received += t->end - SHORT_HEAD;
     t->kept->is_last_piece = transfer->received >= transfer->announced;
@@ -275,13 +231,22 @@ continue_transfer(const telegram_t *t, way_t *way)
 static void
 follow(const telegram_t *t)
 {
+    sis_times_t times = sis_times(t->tvb, t->pinfo, 0, NULL);
     way_t *way = find_way(t->pinfo, &t->pinfo->src, &t->pinfo->dst);
+    way_t *back = find_way(t->pinfo, &t->pinfo->dst, &t->pinfo->src);
 
+    sis_asked_note(&t->kept->asked, t->pinfo, &times);
     if (t->command == ARCNET7F_FETCH) {
-        ask(t, way);
+        if (way->request != NULL)
+            t->kept->unanswered_in = way->request->asked.frame;
+        way->request = t->kept;
+        way->subject = subject_of(t);
         return;
     }
-    answer(t, find_way(t->pinfo, &t->pinfo->dst, &t->pinfo->src));
+    if (back->request != NULL && back->subject == subject_of(t)) {
+        sis_asked_answer(&t->kept->asked, &back->request->asked, &times);
+        back->request = NULL;
+    }
     if (t->is_follow_up)
         continue_transfer(t, way);
     else
@@ -291,15 +256,11 @@ follow(const telegram_t *t)
 static void
 show_links(telegram_t *t)
 {
-    const kept_t *kept = t->kept;
+    sis_asked_fields_t fields = {hf_synax_request_in, hf_synax_answer_in, hf_synax_answer_time};
 
-    add_link(t->tree, hf_synax_request_in, t->tvb, kept->request_in);
-    add_link(t->tree, hf_synax_answer_in, t->tvb, kept->answer_in);
-    if (kept->request_in != 0)
-        proto_item_set_generated(sertap_add_ms(t->tree, hf_synax_answer_time, t->tvb, 0, 0, t->pinfo->pool,
-                                               sertap_ns(&kept->answer_time)));
-    add_link(t->tree, hf_synax_unanswered_in, t->tvb, kept->unanswered_in);
-    if (kept->unanswered_in != 0)
+    sis_asked_show(&t->kept->asked, t->tree, t->tvb, t->pinfo, &fields);
+    add_link(t->tree, hf_synax_unanswered_in, t->tvb, t->kept->unanswered_in);
+    if (t->kept->unanswered_in != 0)
         expert_add_info(t->pinfo, t->root, &ei_synax_unanswered_before);
 }
 
@@ -322,8 +283,7 @@ add_block_data(telegram_t *t, unsigned block)
 {
     if (block != CANCEL_BLOCK)
         check_data(t);
-    if (t->end > HEAD)
-        proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, t->end - HEAD, ENC_NA);
+    add_bytes(t->tree, hf_sis_data, t->tvb, HEAD, t->end);
     if (t->whole == HEAD)
         return;
     synax_add_block_words(t->tree, t->pinfo, hf_arcnet7f_word,
@@ -347,7 +307,7 @@ add_block(telegram_t *t)
     if (text == NULL)
         mark(t, item, &ei_synax_note, "Data block that is not defined");
     if (tvb_get_letoh24(t->tvb, BLOCK_AT + 1) != 0) {
-        add_raw(t, BLOCK_AT + 1, HEAD);
+        add_bytes(t->tree, hf_sis_raw, t->tvb, BLOCK_AT + 1, HEAD);
         mark(t, NULL, &ei_synax_note, "Content after the number of a data block");
     }
     wmem_strbuf_append_printf(t->words, "%s DB %u%s%s%s", access, block, text != NULL ? " (" : "",
@@ -374,7 +334,7 @@ add_whole_list(telegram_t *t, unsigned announced, const synax_head_t *head)
         add_length_words(t);
     synax_add_data(t->tree, t->pinfo, tvb_new_subset_length(t->tvb, HEAD, announced),
                    has_attribute ? 0 : LENGTH_WORDS, ENC_LITTLE_ENDIAN, head, t->words);
-    add_raw(t, HEAD + announced, t->end);
+    add_bytes(t->tree, hf_sis_raw, t->tvb, HEAD + announced, t->end);
 }
 
 /* The first piece of a list: its length words, and whatever follows them. */
@@ -384,8 +344,7 @@ add_first_piece(telegram_t *t, unsigned announced)
     unsigned here = t->end - HEAD - LENGTH_WORDS;
 
     add_length_words(t);
-    if (here > 0)
-        proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD + LENGTH_WORDS, here, ENC_NA);
+    add_bytes(t->tree, hf_sis_data, t->tvb, HEAD + LENGTH_WORDS, t->end);
     wmem_strbuf_append_printf(t->words, ", list of %u bytes, %u here", announced - LENGTH_WORDS, here);
 }
 
@@ -400,8 +359,7 @@ add_parameter(telegram_t *t)
         return;
     if (t->is_cut) {
         say_bytes(t, t->whole - HEAD);
-        if (length > 0)
-            proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, length, ENC_NA);
+        add_bytes(t->tree, hf_sis_data, t->tvb, HEAD, t->end);
         return;
     }
     if (!head.is_parameter || head.is_last) {
@@ -413,8 +371,7 @@ add_parameter(telegram_t *t)
         add_first_piece(t, announced);
     } else {
         say_bytes(t, length);
-        if (length > 0)
-            proto_tree_add_item(t->tree, hf_sis_data, t->tvb, HEAD, length, ENC_NA);
+        add_bytes(t->tree, hf_sis_data, t->tvb, HEAD, t->end);
         mark(t, NULL, &ei_synax_note,
              "More is to follow, but the data do not begin with the lengths of a list");
     }
@@ -426,7 +383,7 @@ static void
 add_first(telegram_t *t)
 {
     if (t->end < HEAD) {
-        add_raw(t, SHORT_HEAD, t->end);
+        add_bytes(t->tree, hf_sis_raw, t->tvb, SHORT_HEAD, t->end);
         wmem_strbuf_append(t->words, "Cut telegram");
         if (!t->is_short && !t->is_cut) /* otherwise already reported */
             expert_add_info_format(t->pinfo, t->root, &ei_synax_short, "The length is shorter than the head");
@@ -456,7 +413,7 @@ static void
 add_request_of_piece(telegram_t *t)
 {
     if (t->end < HEAD) {
-        add_raw(t, SHORT_HEAD, t->end);
+        add_bytes(t->tree, hf_sis_raw, t->tvb, SHORT_HEAD, t->end);
         return;
     }
     wmem_strbuf_append(t->words, ": ");
@@ -483,8 +440,7 @@ add_follow_up(telegram_t *t)
         sis_add_ident(t->tree, t->pinfo->pool, t->tvb, &nowhere, transfer->ident, &known);
         wmem_strbuf_append_printf(t->words, " of %s", sis_ident_text(t->pinfo->pool, transfer->ident));
     }
-    if (length > 0)
-        proto_tree_add_item(t->tree, hf_sis_data, t->tvb, SHORT_HEAD, length, ENC_NA);
+    add_bytes(t->tree, hf_sis_data, t->tvb, SHORT_HEAD, t->end);
     say_bytes(t, t->whole - SHORT_HEAD);
     if (t->is_cut)
         return;

@@ -7,8 +7,7 @@
 #include "kept.h"
 #include "parts.h"
 #include "protocol/fields.h"
-#include "sertap/line.h"
-#include "sertap/time.h"
+#include "sis/asked.h"
 #include "sis/frame.h"
 
 #define WORD_SIZE   2u
@@ -72,68 +71,33 @@ synaxobj_is_known(uint16_t number)
     return find_object(number) != NULL;
 }
 
-/* What is written, until the object is written again. */
+/* What is written, until the object is written again, or an answer. */
 typedef struct {
-    uint32_t frame;
-    int64_t moment;
-    uint32_t answer_in; /* the first; 0: none yet */
-    uint32_t next_in;   /* the next write request; 0: none yet */
-} request_t;
-
-/* The relations of a packet. */
-typedef struct {
-    request_t *request;
-    int64_t elapsed; /* of an answer */
+    sis_asked_t asked;
+    uint32_t next_in; /* the next write request; 0: none yet */
 } link_t;
-
-typedef struct {
-    uint64_t line;
-    uint64_t object; /* and channel */
-} object_key_t;
-
-KEPT_KEY(object_key_t, 8 + 8)
-
-static wmem_map_t *requests; /* the last of each object */
-
-static void
-begin_exchange(const object_key_t *key, const packet_info *pinfo, link_t *link)
-{
-    request_t *before = wmem_map_lookup(requests, key);
-
-    if (before != NULL)
-        before->next_in = pinfo->num;
-    link->request = wmem_new0(wmem_file_scope(), request_t);
-    link->request->frame = pinfo->num;
-    link->request->moment = sertap_ns(&pinfo->abs_ts);
-    wmem_map_insert(requests, wmem_memdup(wmem_file_scope(), key, sizeof *key), link->request);
-}
-
-static void
-end_exchange(const object_key_t *key, const packet_info *pinfo, link_t *link)
-{
-    link->request = wmem_map_lookup(requests, key);
-    if (link->request == NULL)
-        return;
-    if (link->request->answer_in == 0)
-        link->request->answer_in = pinfo->num;
-    link->elapsed = sertap_elapsed(link->request->moment, sertap_ns(&pinfo->abs_ts));
-}
 
 /* One exchange is a write request and one or more reads of the same object (p. 2-16). Found in the first
  * pass, and kept for later passes. */
 static const link_t *
-find_link(packet_info *pinfo, uint32_t place, const synaxobj_access_t *access)
+find_link(tvbuff_t *tvb, packet_info *pinfo, uint32_t place, const synaxobj_access_t *access)
 {
-    object_key_t key = {.line = sertap_line_key(pinfo),
-                        .object = (uint64_t)access->channel << 16 | access->number};
-    link_t *link = kept_of_packet(pinfo, proto_synaxobj, place, sizeof *link);
+    link_t *link = kept_of_packet(pinfo, proto_synaxobj, place, sizeof *link), *request;
+    sis_times_t times = sis_times(tvb, pinfo, 0, NULL);
+    void **last;
 
     if (PINFO_FD_VISITED(pinfo) || find_object(access->number)->content != OF_TELEGRAMS)
         return link;
-    if (access->operation == SYNAXOBJ_WRITE_REQUEST)
-        begin_exchange(&key, pinfo, link);
-    else if (access->operation == SYNAXOBJ_READ_ANSWER)
-        end_exchange(&key, pinfo, link);
+    last = sis_asked_last(pinfo, proto_synaxobj, (uint32_t)access->channel << 16 | access->number);
+    request = *last;
+    sis_asked_note(&link->asked, pinfo, &times);
+    if (access->operation == SYNAXOBJ_WRITE_REQUEST) {
+        if (request != NULL)
+            request->next_in = pinfo->num;
+        *last = link;
+    } else if (access->operation == SYNAXOBJ_READ_ANSWER && request != NULL) {
+        sis_asked_answer(&link->asked, &request->asked, &times);
+    }
     return link;
 }
 
@@ -151,28 +115,14 @@ typedef struct {
 static void
 show_link(const dissection_t *d, const link_t *link)
 {
-    const request_t *request = link->request;
+    sis_asked_fields_t fields = {hf_synax_request_in, hf_synax_answer_in, hf_synax_answer_time};
 
-    if (request == NULL)
+    sis_asked_show(&link->asked, d->tree, d->tvb, d->pinfo, &fields);
+    if (link->asked.answer_in != 0 || link->next_in == 0)
         return;
-    if (d->access->operation == SYNAXOBJ_READ_ANSWER) {
-        add_generated(d->tree, hf_synax_request_in, d->tvb, request->frame);
-        proto_item_set_generated(
-            sertap_add_ms(d->tree, hf_synax_answer_time, d->tvb, 0, 0, d->pinfo->pool, link->elapsed));
-    } else if (request->answer_in != 0) {
-        add_generated(d->tree, hf_synax_answer_in, d->tvb, request->answer_in);
-    } else if (request->next_in != 0) {
-        add_generated(d->tree, hf_synax_next_request_in, d->tvb, request->next_in);
-        expert_add_info_format(d->pinfo, d->root, &ei_synax_unanswered,
-                               "No answer was read before the next write request");
-    }
-}
-
-static void
-add_raw(const dissection_t *d, int hf, unsigned offset, unsigned length)
-{
-    if (length > 0)
-        proto_tree_add_item(d->tree, hf, d->tvb, offset, length, ENC_NA);
+    add_generated(d->tree, hf_synax_next_request_in, d->tvb, link->next_in);
+    expert_add_info_format(d->pinfo, d->root, &ei_synax_unanswered,
+                           "No answer was read before the next write request");
 }
 
 static bool
@@ -190,7 +140,7 @@ dissect_no_telegram(const dissection_t *d)
 {
     bool is_empty = is_zero(d);
 
-    add_raw(d, hf_synaxobj_raw, d->offset, d->length);
+    add_bytes(d->tree, hf_synaxobj_raw, d->tvb, d->offset, d->offset + d->length);
     col_append_str(d->pinfo->cinfo, COL_INFO, is_empty ? "  empty" : "  no telegram");
     if (!is_empty)
         expert_add_info_format(d->pinfo, d->root, &ei_synax_note,
@@ -208,7 +158,7 @@ dissect_telegram(const dissection_t *d)
         dissect_no_telegram(d);
         return;
     }
-    add_raw(d, hf_synaxobj_padding, d->offset + extent, d->length - extent);
+    add_bytes(d->tree, hf_synaxobj_padding, d->tvb, d->offset + extent, d->offset + d->length);
     col_append_str(d->pinfo->cinfo, COL_INFO, "  ");
     col_set_fence(d->pinfo->cinfo, COL_INFO);
     call_dissector(sis, tvb_new_subset_length(d->tvb, d->offset, extent), d->pinfo, d->parent);
@@ -253,7 +203,7 @@ dissect_word(const dissection_t *d, const object_t *object)
     uint16_t word;
 
     if (d->length < WORD_SIZE) {
-        add_raw(d, hf_synaxobj_raw, d->offset, d->length);
+        add_bytes(d->tree, hf_synaxobj_raw, d->tvb, d->offset, d->offset + d->length);
         expert_add_info_format(d->pinfo, d->root, &ei_synax_short, "The object has 2 bytes, not 1");
         return;
     }
@@ -264,14 +214,14 @@ dissect_word(const dissection_t *d, const object_t *object)
                             d->offset, WORD_SIZE, ENC_BIG_ENDIAN);
     add_open_bits(d, item, word & object->open_bits);
     report_fault(d, item, word);
-    add_raw(d, hf_synaxobj_raw, d->offset + WORD_SIZE, d->length - WORD_SIZE);
+    add_bytes(d->tree, hf_synaxobj_raw, d->tvb, d->offset + WORD_SIZE, d->offset + d->length);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "  0x%04x", word);
 }
 
 static void
 dissect_unknown(const dissection_t *d)
 {
-    add_raw(d, hf_synaxobj_raw, d->offset, d->length);
+    add_bytes(d->tree, hf_synaxobj_raw, d->tvb, d->offset, d->offset + d->length);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "  %u byte%s", d->length, plurality(d->length, "", "s"));
     expert_add_info_format(d->pinfo, d->root, &ei_synax_note,
                            "Control or status word of the multiplex channel: which bits are Index_out_c, "
@@ -279,18 +229,12 @@ dissect_unknown(const dissection_t *d)
 }
 
 /* A write request and a read answer contain the object, the others do not. */
-static bool
-has_content(const synaxobj_access_t *access)
-{
-    return access->operation == SYNAXOBJ_WRITE_REQUEST || access->operation == SYNAXOBJ_READ_ANSWER;
-}
-
 static void
 dissect_content(const dissection_t *d)
 {
     const object_t *object = find_object(d->access->number);
 
-    if (!has_content(d->access))
+    if (d->access->operation != SYNAXOBJ_WRITE_REQUEST && d->access->operation != SYNAXOBJ_READ_ANSWER)
         return;
     if (object->size > 0 && d->length > object->size)
         expert_add_info_format(d->pinfo, d->root, &ei_synax_unexpected, "More bytes than the object has");
@@ -319,14 +263,8 @@ synaxobj_dissect(tvbuff_t *tvb, unsigned offset, unsigned length, packet_info *p
     proto_item_append_text(d.root, ", 0x%04X %s", access->number,
                            val_to_str_const(access->operation, sis_synaxobj_operations, ""));
     col_append_fstr(pinfo->cinfo, COL_INFO, "  0x%04X", access->number);
-    show_link(&d, find_link(pinfo, tvb_raw_offset(tvb) + offset, access));
+    show_link(&d, find_link(tvb, pinfo, tvb_raw_offset(tvb) + offset, access));
     dissect_content(&d);
-}
-
-void
-synax_synaxobj_register(void)
-{
-    requests = kept_map(hash_object_key_t, are_equal_object_key_t);
 }
 
 void

@@ -7,8 +7,7 @@
 #include "items.h"
 #include "kept.h"
 #include "protocol/fields.h"
-#include "sertap/line.h"
-#include "sertap/time.h"
+#include "sis/asked.h"
 #include "synax/synaxobj.h"
 
 #define HEAD_SIZE     4u /* service code and word count, which counts what comes after them */
@@ -18,50 +17,33 @@
 #define LENGTH_AT     9u
 #define DATA_AT       10u
 
-/* Services on objects. The master sees request and confirmation, the device indication and response. */
+/* A service on an object. The master sees request and confirmation, the device indication and response. */
 typedef struct {
-    uint16_t code;
-    bool is_answer, is_write, is_at_device;
+    bool is_write, is_answer, is_at_device;
 } access_t;
 
-static const access_t accesses[] = {
-    {0x0081, false, false, false}, {0x0082, false, true, false}, {0x00A1, true, false, true},
-    {0x00A2, true, true, true},    {0x0181, true, false, false}, {0x0182, true, true, false},
-    {0x01A1, false, false, true},  {0x01A2, false, true, true},
-};
+#define OF_DEVICE 0x0020 /* bits of the codes 0081, 0082, 00A1 ... 01A2 */
+#define SECOND    0x0100 /* a confirmation or an indication: what the other has begun arrives */
 
-static const access_t *
-find_access(uint16_t code)
+/* False: it is another service. */
+static bool
+read_access(uint16_t code, access_t *access)
 {
-    for (unsigned i = 0; i < array_length(accesses); i++) {
-        if (accesses[i].code == code)
-            return &accesses[i];
-    }
-    return NULL;
+    uint16_t service = code & ~(OF_DEVICE | SECOND);
+
+    access->is_write = service == 0x0082;
+    access->is_at_device = code & OF_DEVICE;
+    access->is_answer = !(code & OF_DEVICE) == !!(code & SECOND);
+    return service == 0x0081 || service == 0x0082;
 }
 
-/* A request or an indication; only these name their object. */
-typedef struct {
-    uint32_t frame;
-    int64_t moment;
-    uint32_t answer_in; /* 0: none yet */
+/* A message with its relations. Only a request or an indication names its object. */
+typedef struct link {
+    sis_asked_t asked;
+    const struct link *request; /* itself, or what it answers; NULL: not known */
     uint16_t number;
     uint8_t subindex;
-} request_t;
-
-typedef struct {
-    request_t *request; /* NULL: not known */
-    int64_t elapsed;    /* of an answer */
 } link_t;
-
-typedef struct {
-    uint64_t line;
-    uint64_t message; /* reference, invoke id, kind of access, place */
-} message_key_t;
-
-KEPT_KEY(message_key_t, 8 + 8)
-
-static wmem_map_t *requests; /* the last of each kind */
 
 /* The message being dissected. */
 typedef struct {
@@ -70,87 +52,60 @@ typedef struct {
     proto_tree *parent;
     proto_tree *tree;
     proto_item *root;
-    const access_t *access;
+    access_t access;
     unsigned end; /* by the word count, and as far as available */
 } dissection_t;
 
-static message_key_t
-key_of(const dissection_t *d, bool is_at_device)
+/* The last request or indication like this message. */
+static void **
+last_like(const dissection_t *d, bool is_at_device)
 {
-    message_key_t key = {.line = sertap_line_key(d->pinfo)};
-
-    key.message = (uint64_t)is_at_device << 17 | (uint64_t)d->access->is_write << 16 |
-                  compat_get_uint16(d->tvb, HEAD_SIZE, ENC_BIG_ENDIAN);
-    return key;
-}
-
-static void
-begin_exchange(const dissection_t *d, link_t *link)
-{
-    message_key_t key = key_of(d, d->access->is_at_device);
-
-    link->request = wmem_new0(wmem_file_scope(), request_t);
-    link->request->frame = d->pinfo->num;
-    link->request->moment = sertap_ns(&d->pinfo->abs_ts);
-    link->request->number = compat_get_uint16(d->tvb, REFERENCE_END, ENC_BIG_ENDIAN);
-    link->request->subindex = compat_get_uint8(d->tvb, SUBINDEX_AT);
-    wmem_map_insert(requests, wmem_memdup(wmem_file_scope(), &key, sizeof key), link->request);
+    return sis_asked_last(d->pinfo, proto_synaxpcp,
+                          (uint32_t)is_at_device << 17 | (uint32_t)d->access.is_write << 16 |
+                              compat_get_uint16(d->tvb, HEAD_SIZE, ENC_BIG_ENDIAN));
 }
 
 /* At the same end of the bus, else at the other: a log may have only requests and responses. */
 static void
-end_exchange(const dissection_t *d, link_t *link)
+end_exchange(const dissection_t *d, link_t *link, const sis_times_t *times)
 {
-    for (unsigned other = 0; other < 2; other++) {
-        message_key_t key = key_of(d, d->access->is_at_device != (other == 1));
-        request_t *request = wmem_map_lookup(requests, &key);
+    link_t *request = *last_like(d, d->access.is_at_device);
 
-        if (request == NULL || request->answer_in != 0)
-            continue;
-        request->answer_in = d->pinfo->num;
-        link->request = request;
-        link->elapsed = sertap_elapsed(request->moment, sertap_ns(&d->pinfo->abs_ts));
+    if (request == NULL || request->asked.answer_in != 0)
+        request = *last_like(d, !d->access.is_at_device);
+    if (request == NULL || request->asked.answer_in != 0)
         return;
-    }
+    link->request = request;
+    sis_asked_answer(&link->asked, &request->asked, times);
 }
 
 /* Found in the first pass, and kept for every later one. */
 static const link_t *
 find_link(const dissection_t *d)
 {
-    uint32_t place = tvb_raw_offset(d->tvb);
-    link_t *link = kept_of_packet(d->pinfo, proto_synaxpcp, place, sizeof *link);
+    link_t *link = kept_of_packet(d->pinfo, proto_synaxpcp, tvb_raw_offset(d->tvb), sizeof *link);
+    sis_times_t times = sis_times(d->tvb, d->pinfo, 0, NULL);
 
     if (PINFO_FD_VISITED(d->pinfo))
         return link;
-    if (d->access->is_answer)
-        end_exchange(d, link);
-    else
-        begin_exchange(d, link);
+    sis_asked_note(&link->asked, d->pinfo, &times);
+    if (d->access.is_answer) {
+        end_exchange(d, link, &times);
+        return link;
+    }
+    link->request = link;
+    link->number = compat_get_uint16(d->tvb, REFERENCE_END, ENC_BIG_ENDIAN);
+    link->subindex = compat_get_uint8(d->tvb, SUBINDEX_AT);
+    *last_like(d, d->access.is_at_device) = link;
     return link;
 }
 
 static void
 show_link(const dissection_t *d, const link_t *link)
 {
-    const request_t *request = link->request;
+    sis_asked_fields_t fields = {hf_synaxpcp_request_in, hf_synaxpcp_response_in, hf_synaxpcp_response_time};
 
-    if (request == NULL)
-        return;
-    if (d->access->is_answer) {
-        add_generated(d->tree, hf_synaxpcp_request_in, d->tvb, request->frame);
-        proto_item_set_generated(
-            sertap_add_ms(d->tree, hf_synaxpcp_response_time, d->tvb, 0, 0, d->pinfo->pool, link->elapsed));
-    } else if (request->answer_in != 0) {
-        add_generated(d->tree, hf_synaxpcp_response_in, d->tvb, request->answer_in);
-    }
-}
-
-static void
-add_rest(const dissection_t *d, int hf, unsigned offset)
-{
-    if (offset < d->end)
-        proto_tree_add_item(d->tree, hf, d->tvb, offset, d->end - offset, ENC_NA);
+    sis_asked_show(&link->asked, d->tree, d->tvb, d->pinfo, &fields);
 }
 
 static void
@@ -161,15 +116,14 @@ say_short(const dissection_t *d, unsigned needed)
 
 /* Passes on objects of SYNAX, complete: an element of an object may be anything. */
 static void
-dissect_data(const dissection_t *d, unsigned length, const request_t *request)
+dissect_data(const dissection_t *d, unsigned length, const link_t *request)
 {
     synaxobj_access_t access = {.channel = compat_get_uint8(d->tvb, HEAD_SIZE + 1)};
     proto_item *item;
 
-    access.operation = d->access->is_answer
-                           ? d->access->is_write ? SYNAXOBJ_WRITE_ANSWER : SYNAXOBJ_READ_ANSWER
-                       : d->access->is_write ? SYNAXOBJ_WRITE_REQUEST
-                                             : SYNAXOBJ_READ_REQUEST;
+    access.operation = d->access.is_answer ? d->access.is_write ? SYNAXOBJ_WRITE_ANSWER : SYNAXOBJ_READ_ANSWER
+                       : d->access.is_write ? SYNAXOBJ_WRITE_REQUEST
+                                            : SYNAXOBJ_READ_REQUEST;
     access.number = request != NULL ? request->number : 0;
     if (request != NULL && request->subindex == 0 && synaxobj_is_known(access.number)) {
         synaxobj_dissect(d->tvb, length > 0 ? DATA_AT : d->end, length, d->pinfo, d->parent, &access);
@@ -194,7 +148,7 @@ dissect_data(const dissection_t *d, unsigned length, const request_t *request)
 
 /* The length, the data, and the byte that pads a word. */
 static void
-dissect_length(const dissection_t *d, const request_t *request)
+dissect_length(const dissection_t *d, const link_t *request)
 {
     unsigned length = compat_get_uint8(d->tvb, LENGTH_AT), there = d->end - DATA_AT;
     proto_item *item = proto_tree_add_item(d->tree, hf_synaxpcp_length, d->tvb, LENGTH_AT, 1, ENC_NA);
@@ -202,7 +156,7 @@ dissect_length(const dissection_t *d, const request_t *request)
     if (length > there)
         expert_add_info_format(d->pinfo, item, &ei_synax_short, "The data are cut");
     else
-        add_rest(d, hf_synaxpcp_padding, DATA_AT + length);
+        add_bytes(d->tree, hf_synaxpcp_padding, d->tvb, DATA_AT + length, d->end);
     dissect_data(d, MIN(length, there), request);
 }
 
@@ -210,11 +164,11 @@ dissect_length(const dissection_t *d, const request_t *request)
 static void
 dissect_request(const dissection_t *d)
 {
-    unsigned needed = d->access->is_write ? DATA_AT : SUBINDEX_AT + 1;
+    unsigned needed = d->access.is_write ? DATA_AT : SUBINDEX_AT + 1;
     const link_t *link;
 
     if (d->end < needed) {
-        add_rest(d, hf_synaxpcp_raw, REFERENCE_END);
+        add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, REFERENCE_END, d->end);
         say_short(d, needed);
         return;
     }
@@ -222,11 +176,11 @@ dissect_request(const dissection_t *d)
     proto_tree_add_item(d->tree, hf_synaxpcp_subindex, d->tvb, SUBINDEX_AT, 1, ENC_NA);
     link = find_link(d);
     show_link(d, link);
-    if (d->access->is_write) {
+    if (d->access.is_write) {
         dissect_length(d, link->request);
         return;
     }
-    add_rest(d, hf_synaxpcp_padding, SUBINDEX_AT + 1);
+    add_bytes(d->tree, hf_synaxpcp_padding, d->tvb, SUBINDEX_AT + 1, d->end);
     dissect_data(d, 0, link->request);
 }
 
@@ -248,19 +202,19 @@ dissect_error(const dissection_t *d)
     proto_tree_add_item(tree, hf_synaxpcp_error_additional, d->tvb, RESULT_END, 2, ENC_BIG_ENDIAN);
     expert_add_info_format(d->pinfo, item, &ei_synax_error, "%s", words);
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "  %s", words);
-    add_rest(d, hf_synaxpcp_raw, RESULT_END + 2);
+    add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, RESULT_END + 2, d->end);
 }
 
 /* Result 0, and the data read. */
 static void
-dissect_result(const dissection_t *d, const request_t *request)
+dissect_result(const dissection_t *d, const link_t *request)
 {
     proto_tree_add_item(d->tree, hf_synaxpcp_result, d->tvb, REFERENCE_END, 2, ENC_BIG_ENDIAN);
-    if (d->access->is_write) {
-        add_rest(d, hf_synaxpcp_raw, RESULT_END);
+    if (d->access.is_write) {
+        add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, RESULT_END, d->end);
         dissect_data(d, 0, request);
     } else if (d->end < DATA_AT) {
-        add_rest(d, hf_synaxpcp_raw, RESULT_END);
+        add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, RESULT_END, d->end);
         say_short(d, DATA_AT);
     } else {
         proto_tree_add_item(d->tree, hf_synaxpcp_padding, d->tvb, RESULT_END, 1, ENC_NA);
@@ -273,7 +227,7 @@ static void
 dissect_answer(const dissection_t *d)
 {
     const link_t *link = find_link(d);
-    const request_t *request = link->request;
+    const link_t *request = link->request;
     bool is_good = d->end >= RESULT_END && compat_get_uint16(d->tvb, REFERENCE_END, ENC_BIG_ENDIAN) == 0;
 
     show_link(d, link);
@@ -284,7 +238,7 @@ dissect_answer(const dissection_t *d)
     } else if (d->end >= RESULT_END + 2) {
         dissect_error(d);
     } else {
-        add_rest(d, hf_synaxpcp_raw, REFERENCE_END);
+        add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, REFERENCE_END, d->end);
         say_short(d, d->end < RESULT_END ? RESULT_END : RESULT_END + 2);
     }
 }
@@ -292,7 +246,7 @@ dissect_answer(const dissection_t *d)
 static void
 dissect_other(const dissection_t *d, uint16_t code)
 {
-    add_rest(d, hf_synaxpcp_raw, REFERENCE_END);
+    add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, REFERENCE_END, d->end);
     if (try_val_to_str(code, sis_synaxpcp_services) == NULL)
         expert_add_info_format(
             d->pinfo, d->root, &ei_synax_note, "Service code 0x%04x is not defined%s", code,
@@ -309,21 +263,20 @@ dissect_message(dissection_t *d)
     uint16_t code = compat_get_uint16(d->tvb, 0, ENC_BIG_ENDIAN);
     const char *name = try_val_to_str(code, sis_synaxpcp_services);
 
-    d->access = find_access(code);
     if (name == NULL)
         name = wmem_strdup_printf(d->pinfo->pool, "Service 0x%04x", code);
     proto_item_append_text(d->root, ", %s", name);
     col_append_str(d->pinfo->cinfo, COL_INFO, name);
     if (d->end < REFERENCE_END) {
-        add_rest(d, hf_synaxpcp_raw, HEAD_SIZE);
+        add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, HEAD_SIZE, d->end);
         say_short(d, REFERENCE_END);
         return;
     }
     proto_tree_add_item(d->tree, hf_synaxpcp_invoke, d->tvb, HEAD_SIZE, 1, ENC_NA);
     proto_tree_add_item(d->tree, hf_synaxpcp_reference, d->tvb, HEAD_SIZE + 1, 1, ENC_NA);
-    if (d->access == NULL)
+    if (!read_access(code, &d->access))
         dissect_other(d, code);
-    else if (d->access->is_answer)
+    else if (d->access.is_answer)
         dissect_answer(d);
     else
         dissect_request(d);
@@ -342,10 +295,9 @@ dissect_head(dissection_t *d)
     d->end = MIN(end, there);
     if (end > there)
         expert_add_info_format(d->pinfo, item, &ei_synax_short, "Fewer words than counted");
-    if (end < there) {
+    if (end < there)
         expert_add_info_format(d->pinfo, item, &ei_synax_unexpected, "Bytes after the last word");
-        proto_tree_add_item(d->tree, hf_synaxpcp_raw, d->tvb, end, there - end, ENC_NA);
-    }
+    add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, end, there);
     dissect_message(d);
 }
 
@@ -354,8 +306,7 @@ static void
 dissect_stump(const dissection_t *d, unsigned there)
 {
     col_append_str(d->pinfo->cinfo, COL_INFO, "Cut message");
-    if (there > 0)
-        proto_tree_add_item(d->tree, hf_synaxpcp_raw, d->tvb, 0, there, ENC_NA);
+    add_bytes(d->tree, hf_synaxpcp_raw, d->tvb, 0, there);
     if (there == tvb_reported_length(d->tvb))
         expert_add_info_format(d->pinfo, d->root, &ei_synax_short,
                                "Service code and word count have 4 bytes");
@@ -383,5 +334,4 @@ void
 synax_synaxpcp_register(void)
 {
     register_dissector("synaxpcp", dissect_synaxpcp, proto_synaxpcp);
-    requests = kept_map(hash_message_key_t, are_equal_message_key_t);
 }

@@ -117,12 +117,6 @@ typedef struct {
     wmem_strbuf_t *words; /* for the packet list */
 } dissection_t;
 
-static bool
-is_udp(const packet_info *pinfo)
-{
-    return pinfo->ptype == PT_UDP;
-}
-
 /* The preference selects the port of the PPC; a packet without ports may have a direction of its
  * own. */
 static direction_t
@@ -130,7 +124,7 @@ find_direction(const packet_info *pinfo)
 {
     bool is_to, is_from;
 
-    if (!is_udp(pinfo))
+    if (pinfo->ptype != PT_UDP)
         return pinfo->p2p_dir == P2P_DIR_SENT   ? SYNAXPD_TO_PPC
                : pinfo->p2p_dir == P2P_DIR_RECV ? SYNAXPD_FROM_PPC
                                                 : DIRECTION_UNKNOWN;
@@ -145,7 +139,7 @@ find_rows(const packet_info *pinfo, unsigned count)
 {
     const row_t **found = wmem_alloc0_array(pinfo->pool, const row_t *, count);
 
-    for (unsigned i = 0; is_udp(pinfo) && i < row_count; i++) {
+    for (unsigned i = 0; pinfo->ptype == PT_UDP && i < row_count; i++) {
         unsigned port = rows[i].direction == SYNAXPD_TO_PPC ? pinfo->destport : pinfo->srcport;
         unsigned word = rows[i].word - 1;
 

@@ -22,8 +22,6 @@
 
 #define BASIC_STATE 0x000F
 
-/* Bits of the word. 9 to 11 have no certain meaning, and are not checked. */
-
 #define BUSY_CODE 0x0008 /* page 3-9 */
 
 /* The channel's own codes that are a number beside a fixed byte (FLP, page 11-15). */
@@ -154,12 +152,6 @@ find_way(const channel_t *c, unsigned whose)
     return synax_find_way(ways, pinfo, &pinfo->src, &pinfo->dst, whose, sizeof(way_t));
 }
 
-static unsigned
-whose_data(const channel_t *c)
-{
-    return c->sender != GUESS ? c->sender : c->word & SYNAXPK_WORD_READ;
-}
-
 static void
 keep_image(const channel_t *c, way_t *way)
 {
@@ -172,7 +164,7 @@ keep_image(const channel_t *c, way_t *way)
 static void
 follow(const channel_t *c, kept_t *kept)
 {
-    way_t *way = find_way(c, whose_data(c));
+    way_t *way = find_way(c, c->sender != GUESS ? c->sender : c->word & SYNAXPK_WORD_READ);
     bool is_last = c->word & SYNAXPK_WORD_LAST;
 
     kept->is_repeated = way->image_size == MIN(c->there, CHANNEL_SIZE) &&
@@ -200,22 +192,7 @@ begin_anew(const channel_t *c, unsigned whose)
     way->transfer = 0;
 }
 
-/* First pass: data are repeated only if their sender has sent nothing else since. If the sender is
- * unknown, only the basic state shows that they are new. */
-static void
-follow_word(const channel_t *c)
-{
-    if (c->sender != GUESS) {
-        if (c->word == BASIC_STATE)
-            begin_anew(c, c->sender);
-        keep_image(c, find_way(c, c->sender));
-    } else if (c->word == BASIC_STATE) {
-        begin_anew(c, 0);
-        begin_anew(c, SYNAXPK_WORD_READ);
-    }
-}
-
-/* What was under way when the capture cut a packet. */
+/* Forgets what was under way. */
 static void
 forget(const channel_t *c)
 {
@@ -225,6 +202,17 @@ forget(const channel_t *c)
         begin_anew(c, 0);
         begin_anew(c, SYNAXPK_WORD_READ);
     }
+}
+
+/* First pass: data are repeated only if their sender has sent nothing else since. If the sender is
+ * unknown, only the basic state shows that they are new. */
+static void
+follow_word(const channel_t *c)
+{
+    if (c->word == BASIC_STATE)
+        forget(c);
+    if (c->sender != GUESS)
+        keep_image(c, find_way(c, c->sender));
 }
 
 /* The number word of a parameter; the format tells its type. */
@@ -356,13 +344,6 @@ add_sis_part(channel_t *c, tvbuff_t *data)
     add_open_bytes(c, data, known, length, "Whether addresses stand before the data is not defined");
 }
 
-static bool
-is_whole_telegram(tvbuff_t *data)
-{
-    return tvb_captured_length(data) >= 4 && compat_get_uint8(data, 0) == TELEGRAM_START &&
-           compat_get_uint8(data, 2) == compat_get_uint8(data, 3);
-}
-
 /* The common part of two contradictory documents: a telegram begins with its start character and has equal
  * lengths; without that head it begins with the lengths. */
 static tvbuff_t *
@@ -370,7 +351,8 @@ add_sis_data(channel_t *c, tvbuff_t *data)
 {
     unsigned length = tvb_captured_length(data);
 
-    if (is_whole_telegram(data))
+    if (length >= 4 && compat_get_uint8(data, 0) == TELEGRAM_START &&
+        compat_get_uint8(data, 2) == compat_get_uint8(data, 3))
         return data;
     if (length >= 2 && compat_get_uint8(data, 0) == compat_get_uint8(data, 1))
         add_sis_part(c, data);
@@ -403,12 +385,6 @@ add_sis_format(channel_t *c)
     if (kept->transfer != 0)
         whole = sis_put_next(c->tree, c->pinfo, piece, kept->transfer, is_last);
     return whole != NULL ? add_sis_data(c, whole) : NULL;
-}
-
-static bool
-is_clear_error(const channel_t *c)
-{
-    return c->word & SYNAXPK_WORD_ERROR && c->sender == SYNAXPK_MASTER;
 }
 
 static tvbuff_t *
@@ -464,14 +440,13 @@ add_synax(channel_t *c)
     c->end = WORD_SIZE;
     if (c->word == BASIC_STATE) {
         say(c, "basic state");
-    } else if (is_clear_error(c)) {
+    } else if (c->word & SYNAXPK_WORD_ERROR && c->sender == SYNAXPK_MASTER) {
         say(c, "clear error");
     } else {
         read_extent(c);
         telegram = add_content(c);
     }
-    if (c->there > c->end)
-        proto_tree_add_item(c->tree, hf_synaxpk_beyond, c->tvb, c->end, c->there - c->end, ENC_NA);
+    add_bytes(c->tree, hf_synaxpk_beyond, c->tvb, c->end, c->there);
     return telegram;
 }
 
@@ -542,10 +517,8 @@ add_indradrive(channel_t *c)
     say_bytes(c, c->end - WORD_SIZE);
     if (c->sender == SYNAXPK_MASTER && is_alone && c->end >= ORDER_HEAD_END)
         at = add_order(c);
-    if (c->end > at)
-        proto_tree_add_item(c->tree, hf_synaxpk_payload, c->tvb, at, c->end - at, ENC_NA);
-    if (c->there > c->end)
-        proto_tree_add_item(c->tree, hf_synaxpk_beyond, c->tvb, c->end, c->there - c->end, ENC_NA);
+    add_bytes(c->tree, hf_synaxpk_payload, c->tvb, at, c->end);
+    add_bytes(c->tree, hf_synaxpk_beyond, c->tvb, c->end, c->there);
 }
 
 static void
@@ -555,8 +528,7 @@ check_size(channel_t *c)
 
     if (pref_synaxpk_layout != SYNAX || all <= c->there)
         return;
-    if (captured > c->there)
-        proto_tree_add_item(c->tree, hf_sis_raw, c->tvb, c->there, captured - c->there, ENC_NA);
+    add_bytes(c->tree, hf_sis_raw, c->tvb, c->there, captured);
     expert_add_info_format(c->pinfo, c->root, &ei_synax_unexpected,
                            "Bytes after the six words of the channel");
 }
@@ -569,8 +541,7 @@ add_cut(channel_t *c)
 
     add_sender(c);
     say(c, "Cut channel");
-    if (captured > 0)
-        proto_tree_add_item(c->tree, hf_sis_raw, c->tvb, 0, captured, ENC_NA);
+    add_bytes(c->tree, hf_sis_raw, c->tvb, 0, captured);
     if (!c->pinfo->fd->visited && pref_synaxpk_layout == SYNAX)
         forget(c);
 }

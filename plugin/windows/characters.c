@@ -41,7 +41,7 @@ count_characters(stats_tree *tree, const sertap_record_t *record)
         if (!(record->flags & kinds[kind].flags))
             continue;
         for (unsigned i = 0; i < record->timed; i++)
-            count += !!(compat_get_uint8(record->tvb, record->flags_offset + i) & kinds[kind].flags);
+            count += !!(sertap_flags(record, i) & kinds[kind].flags);
         increase_stat_node(tree, kinds[kind].name, characters_node, FALSE, count);
     }
 }
@@ -49,7 +49,7 @@ count_characters(stats_tree *tree, const sertap_record_t *record)
 static bool
 has_flag(const sertap_record_t *record, unsigned at, uint8_t flags)
 {
-    return at < record->timed && compat_get_uint8(record->tvb, record->flags_offset + at) & flags;
+    return at < record->timed && sertap_flags(record, at) & flags;
 }
 
 /* One inside a read of several, or beside it, has no exact length. */
@@ -62,7 +62,7 @@ count_intervals(stats_tree *tree, const sertap_record_t *record)
         if (has_flag(record, i, SERTAP_ERROR_LOST) || has_flag(record, i - 1, SERTAP_SAME_READ) ||
             has_flag(record, i, SERTAP_SAME_READ) || has_flag(record, i + 1, SERTAP_SAME_READ))
             continue;
-        us = (int)(tvb_get_ntohl(record->tvb, record->times_offset + 4 * i) / 1000);
+        us = (int)(sertap_interval(record, i) / 1000);
         tick_stat_node(tree, intervals_name, 0, TRUE); /* the next line adds up here, but does not count */
         stats_tree_tick_range(tree, intervals_name, 0, us);
     }
@@ -74,8 +74,7 @@ packet(stats_tree *tree, packet_info *pinfo, epan_dissect_t *edt _U_, const void
     static const char *const types[] = {"Frames", "Other characters", "Events"};
     const sertap_record_t *record = data;
 
-    if (!sertap_can_be_counted(pinfo) ||
-        (record->type == SERTAP_EVENT && record->event == SERTAP_TOLD_BEFORE)) /* of another file */
+    if (!sertap_can_be_counted(pinfo))
         return TAP_PACKET_DONT_REDRAW;
     tick_stat_node(tree, "Records", 0, TRUE);
     if (record->type < array_length(types))

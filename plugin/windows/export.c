@@ -43,12 +43,6 @@ free_known(void *data)
     g_free(known);
 }
 
-static void
-free_pages(void *pages)
-{
-    g_hash_table_destroy(pages);
-}
-
 static GHashTable *
 find_pages(const known_t *known, const char *type, const char *station)
 {
@@ -99,46 +93,28 @@ add(known_t *known, export_object_entry_t *entry)
           memory.begin + entry->payload_len);
 }
 
-static bool
-is_memory(const export_object_entry_t *entry)
-{
-    return strcmp(entry->content_type, SIS_MEMORY_READ) == 0 ||
-           strcmp(entry->content_type, SIS_MEMORY_WRITTEN) == 0;
-}
-
 /* A list that was forgotten but is still being filled is searched once. */
 static known_t *
-know(export_object_list_t *list)
+find_known(export_object_list_t *list)
 {
-    known_t *known = g_new0(known_t, 1);
+    known_t *known = lists != NULL ? g_hash_table_lookup(lists, list) : NULL;
     export_object_entry_t *entry;
 
+    if (known != NULL)
+        return known;
+    known = g_new0(known_t, 1);
     known->memories = g_array_new(FALSE, FALSE, sizeof(memory_t));
-    known->spaces = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, free_pages);
+    known->spaces =
+        g_hash_table_new_full(g_str_hash, g_str_equal, g_free, (GDestroyNotify)g_hash_table_destroy);
     for (int row = 0; (entry = list->get_entry(list->gui_data, row)) != NULL; row++) {
-        if (is_memory(entry))
+        if (strcmp(entry->content_type, SIS_MEMORY_READ) == 0 ||
+            strcmp(entry->content_type, SIS_MEMORY_WRITTEN) == 0)
             add(known, entry);
     }
     if (lists == NULL)
         lists = g_hash_table_new_full(NULL, NULL, NULL, free_known);
     g_hash_table_insert(lists, list, known);
     return known;
-}
-
-static known_t *
-find_known(export_object_list_t *list)
-{
-    known_t *known = lists != NULL ? g_hash_table_lookup(lists, list) : NULL;
-
-    return known != NULL ? known : know(list);
-}
-
-/* Call before a search or an addition: the list's user may have deleted its entries. */
-static void
-refresh(export_object_list_t *list)
-{
-    if (lists != NULL && list->get_entry(list->gui_data, 0) == NULL)
-        g_hash_table_remove(lists, list);
 }
 
 /* Forgets all lists without freeing their entries. */
@@ -224,7 +200,8 @@ export_packet(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const voi
     const sis_object_t *object = tapped;
     export_object_entry_t *entry;
 
-    refresh(list);
+    if (lists != NULL && list->get_entry(list->gui_data, 0) == NULL)
+        g_hash_table_remove(lists, list); /* its user has deleted the entries */
     if (object->name == NULL && extend(list, object))
         return TAP_PACKET_REDRAW;
     entry = new_entry(pinfo, object);

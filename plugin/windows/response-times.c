@@ -6,7 +6,7 @@
 #include <epan/srt_table.h>
 #include <epan/tap.h>
 
-#include "ascii/sisascii.h"
+#include "ascii/dialogue.h"
 #include "sis/exchange.h"
 #include "sis/names.h"
 #include "rk512/rk512i.h"
@@ -88,9 +88,9 @@ init_kinds(struct register_srt *srt _U_, GArray *tables)
 static tap_packet_status
 count_kind(void *data, packet_info *pinfo, epan_dissect_t *edt _U_, const void *tapped, tap_flags_t flags _U_)
 {
-    const sisascii_answer_t *answer = tapped;
+    const sisascii_unit_t *answer = tapped;
 
-    return count(data, pinfo, (int)answer->kind, answer->elapsed);
+    return count(data, pinfo, (int)answer->command->said.kind, answer->asked.elapsed);
 }
 
 void

@@ -151,10 +151,10 @@ say_intervals(GString *text, packet_info *pinfo)
     const sertap_record_t *record = sertap_record(pinfo);
 
     for (unsigned i = 0; record != NULL && i < record->timed; i++) {
-        if (compat_get_uint8(record->tvb, record->flags_offset + i) & SERTAP_INTERVAL_UNKNOWN)
+        if (sertap_flags(record, i) & SERTAP_INTERVAL_UNKNOWN)
             continue;
         append_joint(text);
-        g_string_append(text, sertap_decimal_text(pinfo->pool, sertap_interval(record, i), 1, 9));
+        g_string_append(text, sertap_decimal_text(pinfo->pool, sertap_interval(record, i), 1, 9, ""));
     }
 }
 
@@ -241,14 +241,6 @@ finish(void *data _U_)
 
 /* The filter holds for every packet. It names the fields that the tree must have, so that they are made. */
 static void
-want(GString *filter, const char *name)
-{
-    if (filter->len == 0)
-        g_string_printf(filter, "!%s", name);
-    g_string_append_printf(filter, " || %s", name);
-}
-
-static void
 add_column(rows_t *rows, const char *name, GString *filter)
 {
     const header_field_info *field = proto_registrar_get_byname(name);
@@ -260,8 +252,11 @@ add_column(rows_t *rows, const char *name, GString *filter)
     *column = (column_t){find_plain(name), g_string_new(name)};
     g_ptr_array_add(rows->row, column);
     g_hash_table_insert(rows->columns, GINT_TO_POINTER(field->id), column);
-    if (column->say == NULL)
-        want(filter, name);
+    if (column->say != NULL)
+        return;
+    if (filter->len == 0)
+        g_string_printf(filter, "!%s", name);
+    g_string_append_printf(filter, " || %s", name);
 }
 
 static void

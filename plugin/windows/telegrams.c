@@ -66,7 +66,7 @@ line_errors(const sis_times_t *times)
     unsigned found = 0;
 
     for (unsigned i = 0; record != NULL && record->flags & errors && i < times->count; i++)
-        found += (compat_get_uint8(record->tvb, record->flags_offset + times->first + i) & errors) != 0;
+        found += (sertap_flags(record, times->first + i) & errors) != 0;
     return found;
 }
 

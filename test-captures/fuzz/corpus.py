@@ -99,7 +99,7 @@ def _transported(data: bytes) -> tuple[int, bytes] | None:
     return None
 
 
-def road(packet: reading.Packet) -> tuple[int, bytes] | None:
+def road(packet: reading.RawPacket) -> tuple[int, bytes] | None:
     """Return the transport of a packet of a capture, and its payload; None without one."""
     match packet.link_type:
         case pcapng.LINKTYPE_WIRESHARK_UPPER_PDU:

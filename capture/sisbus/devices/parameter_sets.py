@@ -10,7 +10,7 @@ from functools import cache, partial
 from importlib import resources
 from typing import NamedTuple
 
-from sisbus.devices.parameters import Parameter, Procedure, as_list, ident
+from sisbus.devices.parameters import Parameter, ProcedureCommand, as_list, ident
 from sisbus.table import WORD, Misread, Reading, Table, ascii_text, choice, flag, whole
 from sistap.dissected.telegrams.attribute import PROCEDURE_COMMAND, READ_ONLY, Attribute, Format
 from sistap.tap.sis.names import S_NAMES
@@ -97,13 +97,11 @@ def _parameter(name: str, table: Table) -> Parameter:
         table.take("maximum", value, None),
         valid=table.take("valid", flag, True),
         fixed_length=table.take("fixed", flag, False),
-        procedure=_procedure(table) if attribute.is_command else None,
+        procedure=ProcedureCommand(table.take("takes", whole(0, 3_600_000), 0), table.take("fails", flag, False))
+        if attribute.is_command
+        else None,
         refuse=table.take("refuse", WORD, None),
     )
-
-
-def _procedure(table: Table) -> Procedure:
-    return Procedure(table.take("takes", whole(0, 3_600_000), 0), table.take("fails", flag, False))
 
 
 def _data(table: Table, attribute: Attribute, value: Reading[bytes]) -> bytes:

@@ -18,7 +18,7 @@ _NOT_YET_EXECUTED, _NOT_POSSIBLE = 0x4, 0x8
 _MS = 1_000_000
 
 
-class Procedure:
+class ProcedureCommand:
     """Its progress. Written values are 0 (clear), 1 (interrupt) and 3 (set and enable)."""
 
     def __init__(self, takes_ms: int = 0, fails: bool = False) -> None:
@@ -143,13 +143,13 @@ class Parameter:
     maximum: bytes | None = None
     valid: bool = True
     fixed_length: bool = False  # of a list
-    procedure: Procedure | None = None
+    procedure: ProcedureCommand | None = None
     refuse: int | None = None  # an access to the element of this code is refused with it
 
     def __post_init__(self) -> None:
         """Make a plain command a procedure that is done at once."""
         if self.attribute.is_command and self.procedure is None:
-            self.procedure = Procedure()
+            self.procedure = ProcedureCommand()
 
     def read(self, element: Element) -> bytes:
         """Return an element. May raise AccessError."""

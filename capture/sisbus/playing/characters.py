@@ -13,7 +13,7 @@ from sistap.tap.line.settings import Flag, LineSettings
 TIMING = "times and their uncertainty are those the virtual bus says"
 
 
-class Character(NamedTuple):
+class SentCharacter(NamedTuple):
     """One character as a receiver with the bus's settings gets it; `flags` are Flag.FROM_READER."""
 
     time_ns: int
@@ -31,14 +31,14 @@ class Played(NamedTuple):
 
     time_ns: int  # when its first character was sent
     sent: bytes
-    characters: list[Character]  # without those that were lost
+    characters: list[SentCharacter]  # without those that were lost
     marks: list[str]
     settings: LineSettings = LineSettings()  # settings of the sender
     line: int = 0  # 1 and 2: the directions of a full-duplex line
     uncertainty_ns: int = 0  # of its times, besides the grouping into reads
 
 
-def reads(characters: Sequence[Character], most: int, character_ns: int) -> Iterator[Sequence[Character]]:
+def reads(characters: Sequence[SentCharacter], most: int, character_ns: int) -> Iterator[Sequence[SentCharacter]]:
     """Group the characters of one telegram as a coarse adapter does: up to `most`, or until a silence.
 
     A 16550 reports an unfilled FIFO after a silence of four character times.
@@ -52,7 +52,7 @@ def reads(characters: Sequence[Character], most: int, character_ns: int) -> Iter
             begin = end
 
 
-def uncertainty(read: Sequence[Character]) -> int:
+def uncertainty(read: Sequence[SentCharacter]) -> int:
     """Return how much earlier than its read the first of its characters came, in ns."""
     return read[-1].time_ns - read[0].time_ns
 
@@ -154,7 +154,7 @@ class Branch:
         marks.append(f"pause@{index}")
         return int(tza_ns * self._noise.uniform(1.5, 3))
 
-    def arrived(self, index: int, slot: Slot, time_ns: int, marks: list[str]) -> Character | None:
+    def arrived(self, index: int, slot: Slot, time_ns: int, marks: list[str]) -> SentCharacter | None:
         """Return a character as it arrives; None: it is lost, and the next one shows it."""
         if self._happens(self._faults.loss):
             marks.append(f"loss@{index}")
@@ -164,12 +164,12 @@ class Branch:
         self._lost = False
         if self._happens(self._faults.break_):
             marks.append(f"break@{index}")
-            return Character(time_ns, 0x00, flags | Flag.BREAK)
+            return SentCharacter(time_ns, 0x00, flags | Flag.BREAK)
         if self._happens(self._faults.parity):
             value ^= 1 << self._noise.randrange(8)
             marks.append(f"parity@{index}={value:02X}")
             flags |= Flag.CHARACTER_ERROR
-        return Character(time_ns, value, flags)
+        return SentCharacter(time_ns, value, flags)
 
     def _happens(self, probability: float) -> bool:
         return probability > 0 and self._noise.random() < probability
@@ -180,7 +180,7 @@ class Branch:
 # A UART samples the line in the middle of each bit, counted at its own rate from the edge of the start bit.
 
 
-def received(character: Character, line: LineSettings, tap: LineSettings, noise: random.Random) -> tuple[int, int]:
+def received(character: SentCharacter, line: LineSettings, tap: LineSettings, noise: random.Random) -> tuple[int, int]:
     """Return value and flags of a character of the bus at a tap; everybody hears a fault of the line."""
     if tap[:3] == line[:3]:  # a receiver samples one stop bit at most
         return character.value, character.flags

@@ -77,7 +77,7 @@ def repeating(script: Script, repeats: int, twm_ns: int) -> Script:
 Exchange = Generator[Played, None, bytes | None]  # yields what is sent, returns the reaction
 
 
-class Line(Protocol):
+class MasterLine(Protocol):
     """Carries what a master says to the stations."""
 
     collided: bool  # in the last exchange, with the rival's command
@@ -125,7 +125,7 @@ class _Master:
             self.pending = None
 
 
-def conduct(line: Line, scripts: Mapping[int, Script], end_ns: float = math.inf) -> Iterator[Played]:
+def conduct(line: MasterLine, scripts: Mapping[int, Script], end_ns: float = math.inf) -> Iterator[Played]:
     """Play the scripts of masters by address. The first has the word until it passes the token or ends.
 
     An action that began before `end_ns`, a time of the line, is completed.
@@ -149,7 +149,7 @@ def conduct(line: Line, scripts: Mapping[int, Script], end_ns: float = math.inf)
             holder.tell()
 
 
-def _exchange(line: Line, holder: _Master, command: bytes, others: list[_Master]) -> Iterator[Played]:
+def _exchange(line: MasterLine, holder: _Master, command: bytes, others: list[_Master]) -> Iterator[Played]:
     rival = next((master for master in others if isinstance(master.pending, bytes)), None)
     rivals_command = rival.pending if rival and isinstance(rival.pending, bytes) else None
     reaction = yield from line.exchange(command, rivals_command)
@@ -158,7 +158,7 @@ def _exchange(line: Line, holder: _Master, command: bytes, others: list[_Master]
     holder.tell(reaction)
 
 
-def _silent_or_raw(line: Line, action: Rate | Wait | Raw | Typed) -> Iterator[Played]:
+def _silent_or_raw(line: MasterLine, action: Rate | Wait | Raw | Typed) -> Iterator[Played]:
     if isinstance(action, Rate):
         line.change(action)
     elif isinstance(action, Wait):

@@ -10,11 +10,11 @@ import random
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from sisbus.playing.characters import Branch, Character, Faults, Played, Sending, Slot
+from sisbus.playing.characters import Branch, Faults, Played, Sending, SentCharacter, Slot
 from sisbus.playing.conducting import Exchange, Rate
 from sisbus.stations.station import Station
 from sistap.tap.line.settings import Flag, LineSettings
-from sistap.tap.sis.initialization import Change, Follow
+from sistap.tap.sis.initialization import Follow, RateChange
 from sistap.tap.sis.telegram import is_whole
 
 
@@ -167,7 +167,7 @@ class Player:
         self._go_to(self._follow.take(reaction, self._now))
         return reaction
 
-    def _go_to(self, change: Change | None) -> None:
+    def _go_to(self, change: RateChange | None) -> None:
         """Continue at the rate that the bus was told."""
         if change:
             self.settings = self.settings._replace(baud=change.baud)
@@ -183,7 +183,7 @@ class Player:
 
     def _sent(self, sending: Sending) -> Played:
         self._branch.falsify(sending)
-        characters: list[Character] = []
+        characters: list[SentCharacter] = []
         for index, slot in enumerate(sending.slots):
             self._now += slot.pause_ns + self._interval(index, sending)
             if index == 0:

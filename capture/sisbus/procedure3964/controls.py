@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from sisbus.playing.conducting import Wait
 from sisbus.procedure3964 import rk512
 from sisbus.procedure3964.partner import MS, Partner
-from sisbus.procedure3964.rk512 import HEAD_SIZE, Command, Error, Head, Reaction
+from sisbus.procedure3964.rk512 import HEAD_SIZE, Command, Head, Reaction, RkError
 from sistap.dissected.telegrams.attribute import LENGTH_WORDS
 
 REACTION_NS = 5000 * MS  # longest wait for a reaction at 1200 to 19200 Bd
@@ -44,7 +44,7 @@ def send(pieces: Iterable[tuple[int, bytes]]) -> Script:
     for block, data in pieces:
         for telegram in rk512.sending(block, data):
             reaction = yield telegram
-            if reaction is None or reaction.error != Error.NONE:
+            if reaction is None or reaction.error != RkError.NONE:
                 return
 
 
@@ -134,7 +134,7 @@ Place = tuple[int, bytes]  # axis, and type and number of a parameter
 
 
 @dataclass
-class Memory:
+class ControlMemory:
     """The contents of a PPC, and the state of a command that is not complete."""
 
     parameters: dict[Place, bytes]
@@ -149,71 +149,71 @@ class Memory:
         try:
             command = rk512.read_command(telegram)
         except ValueError:
-            return Reaction(False, Error.NO_SUCH_COMMAND, b"")
+            return Reaction(False, RkError.NO_SUCH_COMMAND, b"")
         if command.letter not in (rk512.SEND, rk512.FETCH):
-            return Reaction(command.follow_up, Error.NO_SUCH_COMMAND, b"")
+            return Reaction(command.follow_up, RkError.NO_SUCH_COMMAND, b"")
         if command.letter == rk512.FETCH:
             error, data = self._fetch_on() if command.follow_up else self._fetch(command)
         else:
             error, data = self._send_on(command) if command.follow_up else self._send(command), b""
         return Reaction(command.follow_up, error, data)
 
-    def _fetch(self, command: Command) -> tuple[Error, bytes]:
+    def _fetch(self, command: Command) -> tuple[RkError, bytes]:
         self._reading = b""
         if not command.data:
             if command.block not in self.blocks:
-                return Error.NO_SUCH_BLOCK, b""
+                return RkError.NO_SUCH_BLOCK, b""
             self._reading = self.blocks[command.block]
             return self._fetch_on()
         try:
             place = _place(Head.read(command.data))
         except ValueError:
-            return Error.WRONG_LENGTH, b""
+            return RkError.WRONG_LENGTH, b""
         if place not in self.parameters:
-            return Error.NO_SUCH_BLOCK, b""
+            return RkError.NO_SUCH_BLOCK, b""
         self._reading = self.parameters[place]
         return self._fetch_on(LENGTH_WORDS if place in self.lists else rk512.LARGEST)
 
-    def _fetch_on(self, most: int = rk512.LARGEST) -> tuple[Error, bytes]:
+    def _fetch_on(self, most: int = rk512.LARGEST) -> tuple[RkError, bytes]:
         data, self._reading = self._reading[:most], self._reading[most:]
-        return (Error.NONE, data) if data else (Error.OUT_OF_SEQUENCE, b"")
+        return (RkError.NONE, data) if data else (RkError.OUT_OF_SEQUENCE, b"")
 
-    def _send(self, command: Command) -> Error:
+    def _send(self, command: Command) -> RkError:
         self._writing = command
         return self._written(command)
 
-    def _send_on(self, command: Command) -> Error:
+    def _send_on(self, command: Command) -> RkError:
         if self._writing is None:
-            return Error.OUT_OF_SEQUENCE
+            return RkError.OUT_OF_SEQUENCE
         self._writing = self._writing._replace(data=self._writing.data + command.data)
         return self._written(self._writing)
 
-    def _written(self, command: Command) -> Error:
+    def _written(self, command: Command) -> RkError:
         """Store what a command has brought, if it is complete."""
         missing = 2 * command.words - len(command.data)
         if missing > 0:
-            return Error.NONE
+            return RkError.NONE
         self._writing = None
         if missing < 0:
-            return Error.WRONG_LENGTH
+            return RkError.WRONG_LENGTH
         if command.block == _INPUTS:
             self.blocks[command.block] = command.data
-            return Error.NONE
+            return RkError.NONE
         self._list += command.data
         if command.block in _LISTS and command.block > 1:
-            return Error.NONE
+            return RkError.NONE
         data, self._list = self._list, b""
         return self._write(data)
 
-    def _write(self, data: bytes) -> Error:
+    def _write(self, data: bytes) -> RkError:
         try:
             place = _place(Head.read(data))
         except ValueError:
-            return Error.WRONG_LENGTH
+            return RkError.WRONG_LENGTH
         if place not in self.parameters:
-            return Error.NO_SUCH_BLOCK
+            return RkError.NO_SUCH_BLOCK
         self.parameters[place] = data[HEAD_SIZE:]
-        return Error.NONE
+        return RkError.NONE
 
 
 def _place(head: Head) -> Place:
@@ -225,7 +225,7 @@ class Ppc:
 
     over = False  # it waits for commands as long as it is on
 
-    def __init__(self, partner: Partner, memory: Memory, reaction_ns: int, slow: Mapping[int, int]) -> None:
+    def __init__(self, partner: Partner, memory: ControlMemory, reaction_ns: int, slow: Mapping[int, int]) -> None:
         """React that long after a command; `slow` gives the delay of the n-th one."""
         self.partner = partner
         self.memory = memory

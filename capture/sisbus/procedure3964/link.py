@@ -9,7 +9,7 @@ import random
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from sisbus.playing.characters import Branch, Character, Faults, Played, Slot
+from sisbus.playing.characters import Branch, Faults, Played, SentCharacter, Slot
 from sisbus.procedure3964.controls import S5, Ppc
 from sisbus.procedure3964.partner import MS, Saying
 from sistap.tap.line.settings import LineSettings
@@ -95,7 +95,7 @@ class Link:
         """Send characters; return when the last one has arrived."""
         character_ns = self._settings.character_ns
         marks = list(saying.marks)
-        heard: list[Character] = []
+        heard: list[SentCharacter] = []
         times: list[int] = []
         time_ns = begin_ns
         for index, value in enumerate(saying.said):

@@ -12,7 +12,7 @@ from sisbus.devices.parameters import ident
 from sisbus.playing.characters import Faults, Played
 from sisbus.playing.conducting import Wait
 from sisbus.procedure3964 import controls, rk512
-from sisbus.procedure3964.controls import S5, Memory, Ppc, Script, Step
+from sisbus.procedure3964.controls import S5, ControlMemory, Ppc, Script, Step
 from sisbus.procedure3964.link import BOTH, Link
 from sisbus.procedure3964.partner import Disturb, Occasion, Partner, Trouble
 from sisbus.procedure3964.rk512 import Head
@@ -39,7 +39,7 @@ _PRIORITY = choice({"high": True, "low": False})
 
 
 @dataclass
-class Fault:
+class LinkFault:
     """One [[fault]] table: what happens the n-th time that one of the two sends something."""
 
     side: str
@@ -61,7 +61,7 @@ class Procedure:
     blocks: Mapping[int, bytes]
     reaction_ns: int
     slow_ns: Mapping[int, int]
-    faults: Sequence[Fault]
+    faults: Sequence[LinkFault]
 
     def play(  # noqa: PLR0913 - the options of playing a scenario
         self, settings: LineSettings, seed: int, cycles: int, tap_faults: Faults, end_ns: float
@@ -76,7 +76,7 @@ class Procedure:
 
     def ppc(self) -> Ppc:
         """Return the PPC, as it is after power-on."""
-        memory = Memory(dict(self.parameters), self.lists, dict(self.blocks))
+        memory = ControlMemory(dict(self.parameters), self.lists, dict(self.blocks))
         partner = Partner(high=not self.s5_high, disturb=self._disturb("ppc"))
         return Ppc(partner, memory, self.reaction_ns, self.slow_ns)
 
@@ -101,7 +101,7 @@ class Procedure:
 # -- Reading --------------------------------------------------------------------------------------------------------
 
 
-def read(table: Table, duplex: bool, faults: Sequence[Fault]) -> Procedure:
+def read(table: Table, duplex: bool, faults: Sequence[LinkFault]) -> Procedure:
     """Read [s5] and [ppc] of a scenario: both, or one whose partner is real. ValueError names the key and the cure."""
     has_s5, has_ppc = "s5" in table, "ppc" in table
     master = table.take("s5", lambda value: Table(value, "[s5]"), Table({}, "[s5]"))
@@ -241,7 +241,7 @@ _KINDS: Mapping[str, Sequence[Occasion]] = {
 _NUMBERS = {"late": ("ms", milliseconds), "broken": ("character", whole(1, 4096))}
 
 
-def fault(table: Table) -> Fault:
+def fault(table: Table) -> LinkFault:
     """Read a table [[fault]]. ValueError names the key and the cure."""
     kind = table.need("kind", choice({name: name for name in _KINDS}))
     occasions = _KINDS[kind]
@@ -250,4 +250,4 @@ def fault(table: Table) -> Fault:
     if len(occasions) > 1:
         occasion = table.take("answer", choice({one.value: one for one in occasions}), occasion)
     amount = table.need(*_NUMBERS[kind]) if kind in _NUMBERS else 0
-    return Fault(side, occasion, Trouble(kind, amount), table.need("which", several(_NTH)))
+    return LinkFault(side, occasion, Trouble(kind, amount), table.need("which", several(_NTH)))

@@ -54,7 +54,7 @@ _FIRST, _FOLLOW_UP = 0x00, 0xFF
 _HEAD, _SHORT_HEAD, _REACTION = 10, 4, 4  # bytes
 
 
-class Error(enum.IntEnum):
+class RkError(enum.IntEnum):
     """The last byte of a reaction, with Siemens' numbers: those of SYNAX are not known."""
 
     NONE = 0x00

@@ -11,7 +11,7 @@ from importlib import resources
 from pathlib import Path
 
 from sisbus.playing.characters import NO_FAULTS, Faults, Played
-from sisbus.playing.conducting import Line, Script, conduct, repeating
+from sisbus.playing.conducting import MasterLine, Script, conduct, repeating
 from sisbus.playing.player import Player, Times
 from sisbus.procedure3964 import procedure
 from sisbus.procedure3964.procedure import Procedure
@@ -97,7 +97,7 @@ class Scenario:
         usual = Times.for_line(settings)
         return usual._replace(**{name: self.times[name] for name in ("trs", "tza") if name in self.times})
 
-    def scripts(self, line: Line, how: Playing) -> dict[int, Script]:
+    def scripts(self, line: MasterLine, how: Playing) -> dict[int, Script]:
         """Return the scripts of the masters on this line, by address."""
         twm_ns = self.times.get("twm", self.times_for(line.settings).trs) * _MS
         return {

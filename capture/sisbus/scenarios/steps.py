@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from sisbus.devices.parameters import LAST
-from sisbus.playing.conducting import Action, Line, Raw, Script, Token, Typed, Wait
+from sisbus.playing.conducting import Action, MasterLine, Raw, Script, Token, Typed, Wait
 from sisbus.scenarios.bodies import BODIES, Body, access, operating_data, rate_mask
 from sisbus.scenarios.demo import commands
 from sisbus.stations.flash import CHECKSUMS, module
@@ -41,7 +41,7 @@ class Master:
     """The master that plays a script, and the options of playing."""
 
     address: int
-    line: Line
+    line: MasterLine
     seed: int
     cycles: int  # passes of a loop, 0: endless
     rates: Sequence[int]  # rates to change to after each loop of the demo

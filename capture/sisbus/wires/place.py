@@ -5,17 +5,18 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from sisbus.playing.characters import Played
 from sisbus.wires.port import PortWire, TransmittingPort
-from sisbus.wires.wire import Log, Pace, Refusal, Wire
-from sistap.tap.files.output import OutputError
+from sisbus.wires.wire import Log, Pace, Wire
 from sistap.tap.line import ports
+from sistap.tap.line.reader import PortError, PortLost
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.terminal.advice import advice, shell_word
-from sistap.tap.terminal.exits import FAILED, PORT, USAGE
+from sistap.tap.terminal.console import visible
+from sistap.tap.terminal.exits import DONE, FAILED, PORT, Refusal
 
 if TYPE_CHECKING:
     from sisbus.wires.pseudo_terminal import PseudoTerminalPort
@@ -67,9 +68,7 @@ def check(args: argparse.Namespace) -> None:
 
 
 def opened(args: argparse.Namespace, settings: LineSettings, pace: Pace, seed: int = 0, most: int = ALL) -> Wire:
-    """Open the place that the options name; reads at a socket have `most` characters. May raise Refusal or
-    PortError.
-    """
+    """Open the place that the options name; reads at a socket have `most` characters. May raise Refusal."""
     # Imported here: Windows has no pseudo terminals, and a pty needs no sockets.
     try:
         if args.listen:
@@ -80,15 +79,15 @@ def opened(args: argparse.Namespace, settings: LineSettings, pace: Pace, seed: i
             return PortWire(pace, args.port, settings)
         return _pseudo_terminal(pace, settings, seed)
     except ValueError as error:
-        raise Refusal(USAGE, f"--listen {error}") from error
+        raise Refusal(f"--listen {error}") from error
     except OSError as error:
         cure = "choose another port (0: any free one) or PATH" if args.listen else advice().no_pseudo_terminal
         where = args.listen or "a pseudo terminal"
-        raise Refusal(PORT, f"cannot listen at {where}: {error.strerror or error}; {cure}") from error
+        raise Refusal(f"cannot listen at {where}: {error.strerror or error}; {cure}", PORT) from error
 
 
 def port(args: argparse.Namespace, settings: LineSettings, seed: int) -> TransmittingPort | PseudoTerminalPort:
-    """Open the connection for a real master. May raise Refusal or PortError."""
+    """Open the connection for a real master. May raise Refusal."""
     if args.port:
         return TransmittingPort(args.port, settings)
     try:
@@ -96,10 +95,10 @@ def port(args: argparse.Namespace, settings: LineSettings, seed: int) -> Transmi
 
         return PseudoTerminalPort(settings, seed)
     except ImportError as error:
-        raise Refusal(PORT, "this system has no pseudo terminals: use --port PORT --transmit") from error
+        raise Refusal("this system has no pseudo terminals: use --port PORT --transmit", PORT) from error
     except OSError as error:
         raise Refusal(
-            PORT, f"cannot open a pseudo terminal: {error.strerror}; {advice().no_pseudo_terminal}"
+            f"cannot open a pseudo terminal: {error.strerror}; {advice().no_pseudo_terminal}", PORT
         ) from error
 
 
@@ -115,7 +114,7 @@ def _pseudo_terminal(pace: Pace, settings: LineSettings, seed: int) -> Wire:
 
 
 def play(wire: Wire, pace: Pace, telegrams: Iterable[Played], log: Log | None = None, about: str = "") -> None:
-    """Play everything once somebody listens; `about` begins the log. May raise Refusal, PortError or PortLost."""
+    """Play everything once somebody listens; `about` begins the log. May raise Refusal."""
     try:
         try:
             if wire.name:
@@ -128,11 +127,9 @@ def play(wire: Wire, pace: Pace, telegrams: Iterable[Played], log: Log | None = 
             serve(wire, telegrams, log)
         finally:
             wire.close()
-    except OutputError as error:
-        raise Refusal(FAILED, str(error)) from error
     except OSError as error:
         saved = "; the log has what was played before" if log else ""
-        raise Refusal(FAILED, f"the bus stopped: {error.strerror or error}{saved}") from error
+        raise Refusal(f"the bus stopped: {error.strerror or error}{saved}", FAILED) from error
 
 
 def _say_what_to_type(name: str) -> None:
@@ -149,3 +146,15 @@ def serve(wire: Wire, telegrams: Iterable[Played], log: Log | None) -> None:
             log.add(played, marks)
         if wire.deserted:
             break
+
+
+def refusing(command: str, play: Callable[[], None]) -> int:
+    """Play; return the exit code. What the command refuses has its name; `sistap` says what is wrong with a port."""
+    try:
+        play()
+    except (PortError, PortLost):
+        raise
+    except Refusal as refusal:
+        print(f"sistap {command}: {visible(str(refusal))}", file=sys.stderr)
+        return refusal.code
+    return DONE

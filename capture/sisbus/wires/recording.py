@@ -16,7 +16,7 @@ from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.assembler import Assembler
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Event, Framing, Record, event
-from sistap.tap.sis.initialization import Change, Follow
+from sistap.tap.sis.initialization import Follow, RateChange
 
 _START_NS = 946_684_800_000_000_000  # 2000-01-01: obviously not today, and the same seed makes the same file
 _LINE = 0  # of SIS: one shared bus
@@ -96,7 +96,7 @@ class Recording:
             if record.is_good_frame and record.framing == Framing.SIS:
                 self._change(self._follow.take(record.data, record.end_ns))
 
-    def _change(self, change: Change | None) -> None:
+    def _change(self, change: RateChange | None) -> None:
         """Listen at another rate from the next character on."""
         settings = self._assembler.settings(_LINE)
         if change and change.baud != settings.baud:

@@ -17,7 +17,7 @@ from sistap.tap.line.clock import CLOCK
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.framer import SisFramer
 from sistap.tap.records.record import Record, Type
-from sistap.tap.sis.initialization import Change, Follow
+from sistap.tap.sis.initialization import Follow, RateChange
 from sistap.tap.sis.telegram import parse
 
 _MS = 1_000_000
@@ -94,7 +94,7 @@ class RealLine:
         self.wait(rate.after_ms * _MS)
         self._port.change(self.settings._replace(baud=rate.baud))
 
-    def _go_to(self, change: Change | None) -> None:
+    def _go_to(self, change: RateChange | None) -> None:
         if change:
             self._port.change(self.settings._replace(baud=change.baud))
 

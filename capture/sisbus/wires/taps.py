@@ -13,7 +13,7 @@ import socket
 import sys
 from collections.abc import Callable, Sequence
 
-from sisbus.playing.characters import TIMING, Character, Played, reads, received, uncertainty
+from sisbus.playing.characters import TIMING, Played, SentCharacter, reads, received, uncertainty
 from sisbus.wires.wire import Pace
 from sistap.tap.line.clock import CLOCK, monotonic_ns
 from sistap.tap.line.settings import LineSettings, Read
@@ -66,7 +66,7 @@ class ConnectedTap(Peer):
             self._told_ns = wall_ns
             self.put(protocol.pack_time(wall_ns))
 
-    def play(self, read: Sequence[Character], played: Played, wall_ns: int) -> None:
+    def play(self, read: Sequence[SentCharacter], played: Played, wall_ns: int) -> None:
         """Send one read of what was played, heard with the tap's own settings."""
         if self.settings is None:
             return

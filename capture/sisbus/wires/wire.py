@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What every wire has to do with: the error that ends a command, the bus's time, the log, and the wire itself."""
+"""What every wire has to do with: the bus's time, the log, and the wire itself."""
 
 from __future__ import annotations
 
@@ -9,15 +9,6 @@ from typing import BinaryIO, Protocol
 
 from sisbus.playing.characters import Played
 from sistap.tap.line.clock import CLOCK, monotonic_ns
-
-
-class Refusal(Exception):
-    """The command does not begin or cannot continue; the text is one line with the cure."""
-
-    def __init__(self, code: int, text: str) -> None:
-        super().__init__(text.replace("\n", "\\n"))  # file names can have several lines
-        self.code = code
-
 
 _SPIN_S = 150e-6  # a sleep ends up to this late
 

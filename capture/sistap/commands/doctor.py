@@ -16,16 +16,16 @@ from typing import NamedTuple
 from sistap.dissected.wireshark import folders, profile
 from sistap.dissected.wireshark.tshark import OLDEST_WIRESHARK, Tshark, TsharkError, loaded, version
 from sistap.tap.analyser import probe
-from sistap.tap.capture.filter import Filter, FilterError
+from sistap.tap.capture.filter import Filter
 from sistap.tap.common.packages import missing
 from sistap.tap.line import drivers, measurement, others, ports, priority
 from sistap.tap.line.others import Others
 from sistap.tap.line.reader import PortError, open_reader
-from sistap.tap.line.settings import LineSettings
+from sistap.tap.line.settings import LineSettings, in_ms
 from sistap.tap.terminal import programs
 from sistap.tap.terminal.advice import advice
 from sistap.tap.terminal.console import visible
-from sistap.tap.terminal.exits import DONE, FAILED, PORT
+from sistap.tap.terminal.exits import DONE, FAILED, PORT, Refusal
 from sistap.tap.terminal.rights import as_typed
 from sistap.tap.terminal.state import is_root
 
@@ -73,8 +73,6 @@ class Point(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument(
         "-i", dest="port", metavar="PORT", type=ports.short, help="check this port as well (written as for capture)"
     )
@@ -168,7 +166,7 @@ def _analysers() -> Iterator[Point]:
     for found in probe.plugged_in():
         trouble = found.missing
         text = f"{found.name} ({found.port})"
-        yield Point("poor", "analyser", f"{text}: {trouble}") if trouble else Point("good", "analyser", text)
+        yield (Point("poor", "analyser", f"{text}: {trouble}") if trouble else Point("good", "analyser", text))
 
 
 def _has_pyserial() -> bool:
@@ -230,7 +228,7 @@ def _clock() -> Iterator[Point]:
     results, trouble = measurement.load()
     result, misfit = measurement.fitting(results, measurement.MACHINE, measurement.conditions())
     if result:
-        text = f"of {result.date}: 99.9 % of {result.characters} characters within {result.p999_ns / 1e6:.2f} ms"
+        text = f"of {result.date}: 99.9 % of {result.characters} characters within {in_ms(result.p999_ns)}"
         yield Point("good", "self-test", text)
     else:
         cure = "none: `sistap selftest` measures how exact the times are; until then, a capture measures when it starts"
@@ -241,7 +239,7 @@ def _libpcap() -> Iterator[Point]:
     try:
         Filter("link[5] == 0x10")
         yield Point("good", "libpcap", "capture filters work (-f)")
-    except FilterError as error:
+    except Refusal as error:
         yield Point("poor", "libpcap", str(error))
 
 
@@ -256,7 +254,7 @@ def _wireshark() -> Iterator[Point]:
         return
     yield _plugin(done.stdout, done.stderr)
     if not is_root():  # for whom tshark runs as somebody else
-        with suppress(folders.FoldersError, OSError):
+        with suppress(TsharkError, OSError):
             own, everybodys = (folders.parse(named, for_all=for_all).profiles for for_all in (False, True))
             yield _profile(own / profile.NAME, everybodys / profile.NAME)
 

@@ -59,8 +59,6 @@ _BAR = 40
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add(
         "-i",
@@ -89,7 +87,8 @@ def run(args: argparse.Namespace) -> int:
     try:
         place, conditions, measured = _measure(args, settings, console)
     except OSError as error:
-        console.say(f"no result: {error}{_cure(args.port)}")
+        cure = f": join the transmit and receive lines of {args.port}, and nothing else to them" if args.port else ""
+        console.say(f"no result: {error}{cure}")
         return FAILED
     delays = sorted(measured)
     print("\n".join(report(delays)))
@@ -158,10 +157,6 @@ def _undisturbed() -> Iterator[None]:
         yield
     finally:
         gc.enable()
-
-
-def _cure(port: str | None) -> str:
-    return f": join the transmit and receive lines of {port}, and nothing else to them" if port else ""
 
 
 def _keep(place: str, conditions: measurement.Conditions, delays: Sequence[int], console: Console) -> int:

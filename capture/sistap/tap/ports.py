@@ -8,23 +8,24 @@ import json
 from collections.abc import Sequence
 
 from sistap.tap.analyser import probe
+from sistap.tap.common.table import aligned
 from sistap.tap.line import ports
-from sistap.tap.line.drivers import Place
+from sistap.tap.line.drivers import ErrorPlace
 from sistap.tap.line.ports import Adapter
 from sistap.tap.terminal.advice import advice
 from sistap.tap.terminal.console import visible
 from sistap.tap.terminal.exits import DONE
 from sistap.tap.terminal.rights import as_typed
 
-_EXACT = Place.CHARACTER.value
+DESCRIPTION = """\
+List the serial ports with adapter, driver, latency, and where line errors are marked. List logic analysers as well.
+"""
+
+_EXACT = ErrorPlace.CHARACTER.value
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `sistap ports`."""
-    parser.description = (
-        "List the serial ports with adapter, driver, latency, and where line errors are marked. "
-        "List logic analysers as well."
-    )
     parser.add_argument("--json", action="store_true", help="print the list as JSON, for programs")
 
 
@@ -64,7 +65,6 @@ def run(args: argparse.Namespace) -> int:
         for port, behind in there
     ]
     rows += [(one.port, visible(one.name), probe.DRIVER, "samples the bus", _EXACT) for one in analysers]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+    for line in aligned(rows):
+        print(line)
     return DONE

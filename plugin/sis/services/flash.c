@@ -25,13 +25,6 @@ take_flash_address(sis_body_t *body, unsigned size)
 }
 
 static void
-say_length(sis_body_t *body, unsigned length)
-{
-    sis_say_words(body, ", ", NULL);
-    sis_say_bytes(body, length);
-}
-
-static void
 check_most(sis_body_t *body, unsigned length, unsigned most)
 {
     if (length > most)
@@ -45,7 +38,7 @@ take_flash_length(sis_body_t *body, unsigned size)
 
     if (!sis_take(body, hf_sis_flash_length, size, &length))
         return;
-    say_length(body, length);
+    sis_say_bytes(body, ", ", length);
     if (size == 1) {
         check_most(body, length, SIS_MOST_READ);
         body->request->setting = length;
@@ -62,7 +55,7 @@ take_data(sis_body_t *body, unsigned size _U_)
     if (!sis_needs(body, hf_sis_data, 1))
         return;
     sis_take_rest(body, hf_sis_data);
-    say_length(body, length);
+    sis_say_bytes(body, ", ", length);
     if (!body->is_reaction)
         check_most(body, length, SIS_MOST_PROGRAMMED);
     else if (request != NULL && length < request->setting && !body->is_cut)

@@ -5,20 +5,22 @@
 #include "protocol/services.h"
 #include "sis/bus.h"
 
-static bool
-take_time(sis_body_t *body, int hf, uint32_t *ms)
+/* In ms; 0 if it is missing. */
+static uint16_t
+take_time(sis_body_t *body, int hf)
 {
+    uint16_t ms;
     nstime_t value;
 
     if (!sis_needs(body, hf, 2))
-        return false;
-    *ms = tvb_get_letohs(body->tvb, body->offset);
-    value = sertap_time(*ms * INT64_C(1000000));
+        return 0;
+    ms = tvb_get_letohs(body->tvb, body->offset);
+    value = sertap_time(ms * INT64_C(1000000));
     body->item =
-        proto_tree_add_time_format_value(body->tree, hf, body->tvb, body->offset, 2, &value, "%u ms", *ms);
+        proto_tree_add_time_format_value(body->tree, hf, body->tvb, body->offset, 2, &value, "%u ms", ms);
     body->offset += 2;
-    sis_say(body, hf == hf_sis_init_time ? " = %u ms" : ", %u ms", *ms);
-    return true;
+    sis_say(body, hf == hf_sis_init_time ? " = %u ms" : ", %u ms", ms);
+    return ms;
 }
 
 /* "Set TzA" of "Set TzA (character interval)". */
@@ -43,19 +45,13 @@ say_subservice(sis_body_t *body, uint32_t subservice)
 static void
 take_init_time(sis_body_t *body, unsigned size _U_)
 {
-    uint32_t ms;
-
-    if (take_time(body, hf_sis_init_time, &ms))
-        body->request->setting = ms;
+    body->request->setting = take_time(body, hf_sis_init_time);
 }
 
 static void
 take_init_test_time(sis_body_t *body, unsigned size _U_)
 {
-    uint32_t ms;
-
-    if (take_time(body, hf_sis_init_test_time, &ms))
-        body->request->test_ms = (uint16_t)ms;
+    body->request->test_ms = take_time(body, hf_sis_init_test_time);
 }
 
 /* A mask without a rate sets nothing. */

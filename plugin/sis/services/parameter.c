@@ -250,16 +250,6 @@ recall_parameter(access_t *access)
 
 #define SHOWN_BYTES 8
 
-/* The bytes themselves, where they are few. */
-static void
-say_few_bytes(sis_body_t *body, tvbuff_t *tvb)
-{
-    unsigned length = tvb_captured_length(tvb);
-
-    if (length <= SHOWN_BYTES)
-        sis_say_words(body, ": ", tvb_bytes_to_str_punct(body->pinfo->pool, tvb, 0, (int)length, ' '), NULL);
-}
-
 /* A request for the data status may repeat the number of its parameter, or have no data (fig. 8-42). */
 static void
 check_status_request(const access_t *access, tvbuff_t *tvb)
@@ -268,14 +258,6 @@ check_status_request(const access_t *access, tvbuff_t *tvb)
         (tvb_captured_length(tvb) != 2 || tvb_get_letohs(tvb, 0) != access->ident.number))
         sis_mark(access->body, &ei_sis_body_note,
                  "a request for the data status carries its own ident number or nothing");
-}
-
-/* Only the last piece of a transfer may have no data (chapter 8.2). Of a segment the asked length decides. */
-static void
-check_missing(const access_t *access)
-{
-    if (access->has_ident && access->body->is_reaction && !is_segment(access))
-        sis_needs(access->body, hf_sis_data, 1);
 }
 
 /* A list may end before the requested length, and the device may have less room. SYNAX sends one element for
@@ -314,9 +296,10 @@ show_data(access_t *access, proto_tree *tree, tvbuff_t *tvb)
     if (text != NULL) {
         sis_say_words(body, " = ", text, NULL);
     } else {
-        sis_say_words(body, ", ", NULL);
-        sis_say_bytes(body, length);
-        say_few_bytes(body, tvb);
+        sis_say_bytes(body, ", ", length);
+        if (length <= SHOWN_BYTES)
+            sis_say_words(body, ": ", tvb_bytes_to_str_punct(body->pinfo->pool, tvb, 0, (int)length, ' '),
+                          NULL);
     }
     body->data = data.is_whole ? tvb : NULL;
     body->text = text;
@@ -338,8 +321,7 @@ show_piece(access_t *access, tvbuff_t *whole)
     proto_tree *tree;
 
     sis_take_rest(body, hf_sis_data);
-    sis_say_words(body, access->is_last ? ", last piece of " : ", piece of ", NULL);
-    sis_say_bytes(body, length);
+    sis_say_bytes(body, access->is_last ? ", last piece of " : ", piece of ", length);
     if (whole == NULL)
         return;
     length = tvb_captured_length(whole);
@@ -375,7 +357,10 @@ take_data(access_t *access)
         data = NULL;
     if (sis_left(body) == 0 && !sis_is_piece(body)) {
         check_segment(access, 0);
-        check_missing(access);
+        /* Only the last piece of a transfer may have no data (chapter 8.2). Of a segment the asked length
+         * decides. */
+        if (access->has_ident && body->is_reaction && !is_segment(access))
+            sis_needs(body, hf_sis_data, 1);
         return;
     }
     if (!is_single(access) && (data == NULL || sis_is_piece(body)))

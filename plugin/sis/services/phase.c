@@ -62,7 +62,6 @@ sis_show_switch(sis_body_t *body)
     const sis_rare_t *rare = sis_rare(body->record, body->element);
     const sis_switch_t *begun = rare->phase_switch;
     int64_t elapsed;
-    nstime_t taken;
     const char *words, *text;
     proto_item *item;
 
@@ -80,11 +79,8 @@ sis_show_switch(sis_body_t *body)
         sis_say(body, ", %s", words);
         return;
     }
-    taken = sertap_time(elapsed);
-    text = sertap_s_text(body->pinfo->pool, elapsed);
-    item = proto_tree_add_time_format_value(body->tree, hf_sis_phase_switch_time, body->tvb, 0, 0, &taken,
-                                            "%s", text);
-    proto_item_set_generated(item);
+    text = sertap_decimal_text(body->pinfo->pool, elapsed, 1000000, 3, " s");
+    sertap_add_time(body->tree, hf_sis_phase_switch_time, body->tvb, elapsed, text);
     sis_say(body, ", %s after %s", words, text);
 }
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from sistap.commands.annotate.annotator import Annotator
-from sistap.commands.annotate.blocks import Blocks
+from sistap.commands.annotate.blocks import LogBlocks
 from sistap.commands.annotate.cutting import LogRecord, RecordCutter
-from sistap.commands.annotate.explaining import Explainer, WholeCapture
+from sistap.commands.annotate.explaining import LiveCapture, WholeCapture
 from sistap.commands.annotate.reading import LogReader, Piece
-from sistap.commands.annotate.spool import Entry, Spool
+from sistap.commands.annotate.spool import LogEntry, Spool
 from sistap.commands.annotate.textlog import LogLine
 from sistap.tap.records.cut import SIS, Cut
 from sistap.tap.records.framer import ASCII_WORD
@@ -23,7 +23,7 @@ Batches = Iterable[list[LogLine]]  # lines that came together; an empty one: not
 Trouble = Callable[[int, str], None]  # called with the number of a line and the reason why it cannot be read
 
 
-class Found(NamedTuple):
+class FoundInLine(NamedTuple):
     """What a line holds, and the telegrams that it completes."""
 
     pieces: list[Piece]
@@ -49,7 +49,7 @@ class Passage:
         self.telegrams = 0  # right ones
         self.has_ascii = False  # between telegrams of SIS, there are words of the ASCII protocol
 
-    def feed(self, line: LogLine) -> Found:
+    def feed(self, line: LogLine) -> FoundInLine:
         """Read the next line."""
         if len(line.text) > LONGEST_LINE:
             self._trouble(line.number, f"longer than {LONGEST_LINE:,} characters: only its beginning is explained")
@@ -61,7 +61,7 @@ class Passage:
         cuts: list[LogRecord] = []
         for piece in pieces:
             cuts += self._cutter.feed(piece)
-        found = Found(pieces, self._counted(cuts))
+        found = FoundInLine(pieces, self._counted(cuts))
         self.lines += 1
         self.bytes += found.size
         return found
@@ -91,14 +91,14 @@ class Passage:
 def record(
     batches: Batches, passage: Passage, log: str, write: Callable[[bytes], object], spool: Spool | None = None
 ) -> None:
-    """Write a log as a capture, block by block, and keep the log itself in a spool. May raise Incomplete."""
-    blocks = Blocks(log)
+    """Write a log as a capture, block by block, and keep the log itself in a spool. May raise Refusal."""
+    blocks = LogBlocks(log)
     for batch in batches:
         entries = []
         for line in batch:
-            pieces, cuts = passage.feed(line)
-            entries.append((line, pieces, cuts))
-            for cut in cuts:
+            found = passage.feed(line)
+            entries.append(LogEntry(line, found.size, [cut.parts for cut in found.cuts]))
+            for cut in found.cuts:
                 write(blocks.packet(cut.record))
         if spool and entries:
             spool.put(entries)
@@ -106,11 +106,11 @@ def record(
     for cut in rest:
         write(blocks.packet(cut.record))
     if spool:
-        spool.put([(None, [], rest)])
+        spool.put([LogEntry(None, 0, [cut.parts for cut in rest])])
 
 
 def annotate_recorded(
-    batches: Iterable[list[Entry]], sayer: WholeCapture, annotator: Annotator, flush: Callable[[], object]
+    batches: Iterable[list[LogEntry]], sayer: WholeCapture, annotator: Annotator, flush: Callable[[], object]
 ) -> None:
     """Write a log that `record` has kept, with its explanations. May raise TsharkError."""
     for batch in batches:
@@ -126,7 +126,7 @@ def annotate_recorded(
 
 
 def annotate_live(
-    batches: Batches, passage: Passage, explainer: Explainer, annotator: Annotator, flush: Callable[[], object]
+    batches: Batches, passage: Passage, explainer: LiveCapture, annotator: Annotator, flush: Callable[[], object]
 ) -> None:
     """Write a log with its explanations live. May raise TsharkError."""
     for batch in batches:
@@ -143,7 +143,7 @@ def annotate_live(
     flush()
 
 
-def _explain(cuts: list[LogRecord], explainer: Explainer, annotator: Annotator) -> None:
+def _explain(cuts: list[LogRecord], explainer: LiveCapture, annotator: Annotator) -> None:
     """Send all records of a batch before waiting for the first answer."""
     for cut in cuts:
         explainer.put(cut.record)

@@ -15,7 +15,7 @@ from sistap.tap.records.record import Event, Record, event
 _INTERFACES = {SHARED: "log", RECEIVED: "log, received", SENT: "log, sent"}
 
 
-class Blocks:
+class LogBlocks:
     """Makes the blocks of one capture. Its first packet is an event that names the log."""
 
     def __init__(self, log: str) -> None:

@@ -14,23 +14,23 @@ from sistap.commands.annotate.annotator import Annotator, TextAnnotator
 from sistap.commands.annotate.explaining import LiveCapture, WholeCapture
 from sistap.commands.annotate.meanings import Meanings
 from sistap.commands.annotate.page import PageAnnotator
-from sistap.commands.annotate.pattern import PatternReader, TooSlow
+from sistap.commands.annotate.pattern import PatternReader
 from sistap.commands.annotate.reading import LogReader
-from sistap.commands.annotate.sources import Source, SourceError
+from sistap.commands.annotate.sources import LogSource
 from sistap.commands.annotate.spool import Spool
 from sistap.commands.annotate.troubles import Troubles
 from sistap.dissected.episodes.options import add_rule
 from sistap.dissected.explain import advice
 from sistap.dissected.explain.fields import Fields
 from sistap.dissected.packets.dissection import FIELDS
-from sistap.dissected.wireshark.tshark import Tshark, TsharkError
+from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.common import temporary
 from sistap.tap.common.garbage import uncollected
-from sistap.tap.common.writing import Incomplete, NotOpened, opened
-from sistap.tap.files.output import Output, OutputError, OutputRefused, ReaderGone
+from sistap.tap.common.writing import opened
+from sistap.tap.files.output import Output, ReaderGone
 from sistap.tap.records.cut import HELP, SIS, WORDS, Cut
 from sistap.tap.terminal.console import Console
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError, argument
+from sistap.tap.terminal.exits import DONE, FAILED, USAGE, Refusal, argument
 from sistap.tap.terminal.writing import FORCE
 
 DESCRIPTION = """\
@@ -68,17 +68,13 @@ exit status:
 
 
 def _reader(pattern: str) -> Callable[[], LogReader]:
-    try:
-        PatternReader(pattern)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+    """Return what makes readers. ValueError says what is wrong with the expression."""
+    PatternReader(pattern)
     return lambda: PatternReader(pattern)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("log", metavar="LOG", help="a text file, a raw log as PuTTY saves it, or - for standard input")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--format", choices=("text", "html"), default="text", help="what to write (default: text)")
@@ -91,7 +87,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--regex",
         dest="reader",
         metavar="REGEX",
-        type=_reader,
+        type=argument(_reader),
         help="a pattern (regular expression) for a line of the log, with the names of text2pcap: (?<data>...) is the "
         "bytes in hexadecimal; (?<time>...) and (?<dir>...) are optional; lines that do not fit are left out",
     )
@@ -114,13 +110,7 @@ def run(args: argparse.Namespace) -> int:
             written = _capture(args, source, passage, console)
         else:
             _explain(args, source, passage, console)
-    except (UsageError, SourceError, NotOpened, OutputRefused, TooSlow) as error:
-        console.say(str(error))
-        return USAGE
     except ReaderGone:
-        return FAILED
-    except (Incomplete, TsharkError, OutputError) as error:
-        console.say(str(error))
         return FAILED
     if passage.telegrams:
         troubles.end()
@@ -133,14 +123,10 @@ def run(args: argparse.Namespace) -> int:
 
 def _check(args: argparse.Namespace) -> None:
     if args.capture and args.output:
-        raise UsageError("-w names the file already: leave out -o")
+        raise Refusal("-w names the file already: leave out -o")
     for option, path in (("-w", args.capture), ("-o", args.output)):
         if path and _is_same(path, args.log):
-            raise UsageError(f"{path} is the log itself; name another file with {option}")
-
-
-def _is_same(path: str, log: str) -> bool:
-    return log != "-" and Path(path).exists() and Path(log).exists() and Path(path).samefile(log)
+            raise Refusal(f"{path} is the log itself; name another file with {option}")
 
 
 def _judge(args: argparse.Namespace, passage: Passage, troubles: Troubles, console: Console) -> int:
@@ -159,6 +145,10 @@ def _judge(args: argparse.Namespace, passage: Passage, troubles: Troubles, conso
     return DONE
 
 
+def _is_same(path: str, log: str) -> bool:
+    return log != "-" and Path(path).exists() and Path(log).exists() and Path(path).samefile(log)
+
+
 def _name(args: argparse.Namespace) -> str:
     return "standard input" if args.log == "-" else Path(args.log).name
 
@@ -168,17 +158,17 @@ def _sources(args: argparse.Namespace) -> list[str]:
 
 
 def _progress(console: Console, what: str, *, is_shown: bool = True) -> Callable[[float], None]:
-    if not console.shows_progress or not is_shown:
+    if not is_shown:
         return lambda _: None
     return lambda part: console.progress(f"{what}: {part:.0%}" if part < 1 else "")
 
 
-def _batches(args: argparse.Namespace, source: Source, console: Console) -> annotating.Batches:
+def _batches(args: argparse.Namespace, source: LogSource, console: Console) -> annotating.Batches:
     """Read the log once only: it may grow meanwhile."""
     return source.lines(args.framing, _progress(console, "read"))
 
 
-def _capture(args: argparse.Namespace, source: Source, passage: Passage, console: Console) -> str:
+def _capture(args: argparse.Namespace, source: LogSource, passage: Passage, console: Console) -> str:
     """Write the capture; return what to say of it."""
     output = Output(args.capture, force=args.force, sources=_sources(args))
     try:
@@ -189,7 +179,7 @@ def _capture(args: argparse.Namespace, source: Source, passage: Passage, console
         output.close()
 
 
-def _explain(args: argparse.Namespace, source: Source, passage: Passage, console: Console) -> None:
+def _explain(args: argparse.Namespace, source: LogSource, passage: Passage, console: Console) -> None:
     """Write the explanation: of a file after all of it was dissected, of a pipe as it comes.
 
     A page also shows what only a later telegram tells, so it waits for the end of a pipe.
@@ -206,7 +196,7 @@ def _explain(args: argparse.Namespace, source: Source, passage: Passage, console
 
 
 def _explain_whole(
-    args: argparse.Namespace, source: Source, passage: Passage, console: Console, tshark: Tshark
+    args: argparse.Namespace, source: LogSource, passage: Passage, console: Console, tshark: Tshark
 ) -> None:
     with ExitStack() as stack, uncollected():
         file = stack.enter_context(opened(args.output, _sources(args), force=args.force))

@@ -24,7 +24,7 @@ _SLOWEST_CHARACTER_NS = LineSettings(min(RATES)).character_ns
 _NEW_TIME_NS = 1_000_000_000  # a clock that goes back by more than this starts again
 
 
-class Part(NamedTuple):
+class PiecePart(NamedTuple):
     """Bytes of a piece, from `first` up to but not including `end`."""
 
     piece: Piece
@@ -41,21 +41,21 @@ class Pieces:
     """The pieces of one direction that are not in a record yet, in order."""
 
     def __init__(self) -> None:
-        self._parts: deque[Part] = deque()
+        self._parts: deque[PiecePart] = deque()
 
     def add(self, piece: Piece) -> None:
         """Take the next piece."""
-        self._parts.append(Part(piece, 0, len(piece.run.data)))
+        self._parts.append(PiecePart(piece, 0, len(piece.run.data)))
 
-    def take(self, count: int) -> list[Part]:
+    def take(self, count: int) -> list[PiecePart]:
         """Remove the next bytes and return where they stand."""
         parts = []
         while count:
             piece, first, end = self._parts.popleft()
             taken = min(count, end - first)
-            parts.append(Part(piece, first, first + taken))
+            parts.append(PiecePart(piece, first, first + taken))
             if first + taken < end:
-                self._parts.appendleft(Part(piece, first + taken, end))
+                self._parts.appendleft(PiecePart(piece, first + taken, end))
             count -= taken
         return parts
 
@@ -64,7 +64,7 @@ class LogRecord(NamedTuple):
     """A record, and the bytes of the log that it is made of."""
 
     record: Record
-    parts: list[Part]
+    parts: list[PiecePart]
 
 
 class _Stream:

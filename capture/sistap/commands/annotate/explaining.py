@@ -10,9 +10,8 @@ from __future__ import annotations
 import queue
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol
 
-from sistap.commands.annotate.blocks import Blocks
+from sistap.commands.annotate.blocks import LogBlocks
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.folding import DAMAGE
 from sistap.dissected.episodes.lines import lines
@@ -26,16 +25,6 @@ from sistap.tap.records.record import Record
 
 _FOREIGN = "It may be another protocol: USIP, USS and others begin with 02, too. Or it was logged at another rate."
 _ANSWER_S = 30  # longest time that a running tshark takes for an answer
-
-
-class Explainer(Protocol):
-    """Explains records that it receives, in their order."""
-
-    def put(self, record: Record) -> None:
-        """Take the next record."""
-
-    def get(self) -> Said:
-        """Return the explanation of the next record. May raise TsharkError."""
 
 
 class WholeCapture:
@@ -81,7 +70,7 @@ class LiveCapture:
 
     def __init__(self, tshark: Tshark, log: str) -> None:
         self._fields = Fields(tshark, tuple(advice.FIELDS))
-        self._blocks = Blocks(log)
+        self._blocks = LogBlocks(log)
         self._process = Running(tshark, self._fields.arguments)
         self._first = True
         self._has_telegram = False  # until then, no fault is anybody's

@@ -12,11 +12,12 @@ from pathlib import Path
 
 from sistap.dissected.explain import entries
 from sistap.dissected.explain.fields import EXPLANATION, Fields, said, sentence
-from sistap.dissected.wireshark.rows import EVENT, JOINT, NotACapture, damage, first
+from sistap.dissected.wireshark.rows import EVENT, JOINT, first
+from sistap.dissected.wireshark.trouble import damage
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
-from sistap.tap.common.writing import Incomplete, NotOpened, opened
+from sistap.tap.common.writing import opened
 from sistap.tap.terminal.console import Console
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE
+from sistap.tap.terminal.exits import DONE, USAGE, Refusal
 from sistap.tap.terminal.writing import FORCE
 
 DESCRIPTION = """\
@@ -52,8 +53,6 @@ _NS = 1  # resolution of the times
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="a capture that sistap wrote, or of a network")
     parser.add_argument("-o", dest="output", metavar="FILE", help="write to FILE (default: standard output)")
     parser.add_argument("--force", action="store_true", help=FORCE)
@@ -62,14 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the log; return the exit code."""
     console = Console()
-    try:
-        written, left_out = _write(args, console)
-    except (NotACapture, NotOpened) as error:
-        console.say(str(error))
-        return USAGE
-    except (Incomplete, TsharkError) as error:
-        console.say(str(error))
-        return FAILED
+    written, left_out = _write(args, console)
     if left_out:
         packets = "1 packet without SIS is" if left_out == 1 else f"{left_out} packets without SIS are"
         console.say(f"{args.capture}: {packets} not in the log{'' if written else _CURE}")
@@ -90,13 +82,13 @@ def _write(args: argparse.Namespace, console: Console) -> tuple[int, int]:
 
 def _check(args: argparse.Namespace) -> None:
     if args.capture.exists() and not (args.capture.is_file() or args.capture.is_dir()):
-        raise NotACapture(f"{args.capture} is not a file: it is read twice, so save the capture first")
+        raise Refusal(f"{args.capture} is not a file: it is read twice, so save the capture first")
     try:
         args.capture.open("rb").close()
     except OSError as error:
-        raise NotACapture(f"cannot read {args.capture}: {error.strerror}; name a capture file") from None
+        raise Refusal(f"cannot read {args.capture}: {error.strerror}; name a capture file") from None
     if args.output and Path(args.output).exists() and args.capture.samefile(args.output):
-        raise NotOpened(f"{args.output} is the capture itself; name another file with -o")
+        raise Refusal(f"{args.output} is the capture itself; name another file with -o")
 
 
 def _lines(tshark: Tshark, capture: Path, say: Callable[[str], None]) -> Iterator[str]:

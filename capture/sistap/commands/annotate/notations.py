@@ -91,7 +91,7 @@ class Numbers(NamedTuple):
         return f", separated by {_SEPARATORS.get(gap, repr(gap))}" if gap else ""
 
 
-class Text(NamedTuple):
+class TextNotation(NamedTuple):
     """Bytes are characters; those that cannot be shown are escapes."""
 
     name: str
@@ -115,7 +115,7 @@ class Text(NamedTuple):
         return is_bytes or any(one.lastgroup in _BASES for one in self.byte.finditer(run.text))
 
 
-Notation = Numbers | Text
+Notation = Numbers | TextNotation
 
 _BASES = {"hex": 16, "octal": 8, "decimal": 10}
 _LETTERS = dict(zip("0abefnrtvslp", b"\0\a\b\x1b\f\n\r\t\v \n\f", strict=True))
@@ -134,8 +134,8 @@ def _numbers(name: str, hint: str, number: str, byte: str, enough: int, **kinds:
     return Numbers(name, re.compile(hint), re.compile(_BEFORE + number + _AFTER), re.compile(byte), enough, **kinds)
 
 
-def _text(name: str, hint: str, escapes: str, said: str, **kinds: Any) -> Text:
-    return Text(name, re.compile(hint), re.compile(said), re.compile(rf"{escapes}|(?P<char>.)"), **kinds)
+def _text(name: str, hint: str, escapes: str, said: str, **kinds: Any) -> TextNotation:
+    return TextNotation(name, re.compile(hint), re.compile(said), re.compile(rf"{escapes}|(?P<char>.)"), **kinds)
 
 
 def _quoted(escape: str) -> str:

@@ -10,10 +10,9 @@ from itertools import groupby
 
 import sistap
 from sistap.commands.annotate import meanings
-from sistap.commands.annotate.annotator import Waiting, Waitings, indent, place
-from sistap.commands.annotate.cutting import Part
+from sistap.commands.annotate.annotator import Annotator, Waiting, indent, place
+from sistap.commands.annotate.cutting import PiecePart
 from sistap.commands.annotate.meanings import Meaning, Meanings
-from sistap.commands.annotate.textlog import LogLine
 from sistap.dissected.draw import html
 from sistap.dissected.explain.fields import Said
 from sistap.tap.terminal.console import visible
@@ -53,21 +52,16 @@ footer { font-size: .85rem; color: var(--faint); }
 """
 
 
-class PageAnnotator:
+class PageAnnotator(Annotator):
     """Writes the page."""
 
     def __init__(self, write: Callable[[bytes], object], name: str, found: Meanings) -> None:
-        self._write = write
+        super().__init__(write)
         self._meanings = found
-        self._waitings = Waitings()
         self._marked: dict[int, list[tuple[int, int, Meaning]]] = defaultdict(list)  # by line: from, to
         self._write(_head(name).encode())
 
-    def add(self, line: LogLine, count: int) -> None:
-        """Add the next line."""
-        self._waitings.add(line, count)
-
-    def explain(self, parts: list[Part], said: Said) -> None:
+    def explain(self, parts: list[PiecePart], said: Said) -> None:
         """Mark the bytes in their lines, and put the explanation below the last."""
         found = iter(self._meanings.get(b"".join(part.data for part in parts)))
         for piece, first, end in parts:
@@ -75,26 +69,19 @@ class PageAnnotator:
             for (start, stop), meaning in zip(spans, found, strict=False):
                 shown = meaning or Meaning(_OTHER, "" if said.is_telegram else "no telegram")
                 self._marked[piece.line.number].append((start, stop, shown))
-        waiting = self._waitings.take(parts)
-        text = self._waitings.explanation(parts, said, late=waiting is None)
-        if waiting := waiting or self._waitings.last():
-            waiting.explanations.append(place(parts, text))
+        super().explain(parts, said)
 
-    def release(self, *, everything: bool = False) -> None:
-        """Write the lines that wait for nothing more, or all lines."""
-        for waiting in self._waitings.release(everything=everything):
-            self._write(self._line(waiting).encode(errors="backslashreplace"))
+    def _explain_late(self, parts: list[PiecePart], text: str) -> None:
+        if self._queue:
+            self._queue[-1].explanations.append(place(parts, text))
 
-    def end(self, answer: Sequence[str] = ()) -> None:
-        """Write the rest and the answer, and end the page."""
-        for waiting in self._waitings.rest():
-            self._write(self._line(waiting).encode(errors="backslashreplace"))
+    def _write_answer(self, answer: Sequence[str]) -> None:
         footer = f"sistap {sistap.__version__}. What each byte means is what Wireshark's dissector says."
         items = "".join(f"<li>{escape(text)}</li>" for text in answer)
         told = f"<ol>{items}</ol>\n" if items else ""
         self._write(f"</pre>\n{told}<footer>{footer}</footer>\n{html.END}".encode())
 
-    def _line(self, waiting: Waiting) -> str:
+    def _shown(self, waiting: Waiting) -> bytes:
         text = waiting.line.text
         parts = []
         at = 0
@@ -109,7 +96,7 @@ class PageAnnotator:
             for one in said.split("\n"):
                 kind = ' class="bad"' if "[" in one else ""
                 lines.append(f"{indent(before, len(before))}<i{kind}>{escape(one)}</i>")
-        return "\n".join(lines) + "\n"
+        return ("\n".join(lines) + "\n").encode(errors="backslashreplace")
 
 
 def _plain(text: str) -> str:

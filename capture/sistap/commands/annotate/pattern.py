@@ -11,26 +11,23 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from sistap.commands.annotate import marks, notations
-from sistap.commands.annotate.reading import Contents, State, is_explanation
+from sistap.commands.annotate.reading import Carried, Contents, is_explanation
 from sistap.commands.annotate.stamps import TimestampParser
 from sistap.commands.annotate.textlog import LogLine
+from sistap.tap.terminal.exits import Refusal
 
 LONGEST_S = 2.0  # for a line
 
 
-class TooSlow(Exception):
-    """An expression takes too long for a line; the text is the line to show."""
-
-
 @contextmanager
 def _time_limit(line: LogLine) -> Iterator[None]:
-    """Raise TooSlow after LONGEST_S, if the system has timers: an expression can take years for a line."""
+    """Raise Refusal after LONGEST_S, if the system has timers: an expression can take years for a line."""
     if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
         yield
         return
 
     def give_up(*_: object) -> None:
-        raise TooSlow(f"line {line.number}: the expression takes longer than {LONGEST_S:g} s; make it simpler")
+        raise Refusal(f"line {line.number}: the expression takes longer than {LONGEST_S:g} s; make it simpler")
 
     before = signal.signal(signal.SIGALRM, give_up)
     signal.setitimer(signal.ITIMER_REAL, LONGEST_S)
@@ -59,10 +56,10 @@ class PatternReader:
         if unknown := names.keys() - {"data", "time", "dir"}:
             raise ValueError(f"'{pattern}': groups are data, time and dir, not {', '.join(sorted(unknown))}")
         self._timestamps = TimestampParser()
-        self._state = State()
+        self._state = Carried()
 
     def contents(self, line: LogLine) -> Contents:
-        """Find the bytes of a line at each match of the expression. May raise TooSlow."""
+        """Find the bytes of a line at each match of the expression. May raise Refusal."""
         pieces = []
         trouble = ""
         if not is_explanation(line.text):

@@ -80,7 +80,7 @@ class LogReader(Protocol):
         """Find what a line holds."""
 
 
-class State:
+class Carried:
     """What is carried over from line to line."""
 
     def __init__(self) -> None:
@@ -132,7 +132,7 @@ class ChosenReader:
         self.choice = choice
         self._timestamps = TimestampParser()
         self.marks = Marks()
-        self._state = State()
+        self._state = Carried()
         self._above: int | None = None  # what the line directly above seems to say about the direction
         # By notation: what stood in front of bytes.
         self._places: defaultdict[str, set[str]] = defaultdict(set)

@@ -10,7 +10,7 @@ import re
 
 from sistap.commands.annotate import marks
 from sistap.commands.annotate.notations import Run
-from sistap.commands.annotate.reading import Contents, State, is_explanation
+from sistap.commands.annotate.reading import Carried, Contents, is_explanation
 from sistap.commands.annotate.stamps import TimestampParser
 from sistap.commands.annotate.textlog import LogLine, lines
 
@@ -33,7 +33,7 @@ class SessionReader:
     def __init__(self) -> None:
         """Nothing has come yet."""
         self._timestamps = TimestampParser()
-        self._state = State()
+        self._state = Carried()
 
     def contents(self, line: LogLine) -> Contents:
         """Return the characters of a line, and its end, which the log shows as a new line."""

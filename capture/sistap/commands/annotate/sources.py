@@ -21,7 +21,7 @@ from sistap.tap.common.usbmon import is_usbmon
 from sistap.tap.files.pcapng import FIRST_BYTES
 from sistap.tap.records.cut import ASCII, Cut
 from sistap.tap.terminal.advice import shell_word
-from sistap.tap.terminal.exits import Error
+from sistap.tap.terminal.exits import Refusal
 
 _PIECE = 1 << 18
 _AHEAD = 16  # pieces of a pipe that may wait: its writer can be faster than they are explained
@@ -29,11 +29,11 @@ _IDLE_S = 0.2
 _NULS = 10  # one byte in this many may be 0: some programs write what they received
 
 
-class SourceError(Error):
+class SourceError(Refusal):
     """The log cannot be read; the text is the line to show."""
 
 
-class Source(NamedTuple):
+class LogSource(NamedTuple):
     """A log."""
 
     log: str
@@ -52,15 +52,15 @@ class Source(NamedTuple):
         return _from_file(self.log, RawCutter(framing) if self.is_raw else LineCutter(), progress)
 
 
-def look(log: str, framing: Cut, reader: LogReader | None = None) -> Source:
+def look(log: str, framing: Cut, reader: LogReader | None = None) -> LogSource:
     """Look how a log is to be read, unless a `reader` is given. SourceError if it cannot be read."""
     live = reader or (SessionReader() if framing == ASCII else AnyReader(framing=framing))
     if log == "-":
-        return Source(log, live)
+        return LogSource(log, live)
     try:
         mode = Path(log).stat().st_mode
         if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
-            return Source(log, live)  # opening it would wait for a writer
+            return LogSource(log, live)  # opening it would wait for a writer
         if packed := unpack(Path(log)):
             raise SourceError(packed)
         with open(log, "rb") as file:
@@ -70,11 +70,11 @@ def look(log: str, framing: Cut, reader: LogReader | None = None) -> Source:
     if beginning.startswith(FIRST_BYTES):
         raise SourceError(f"{log} is a capture, not a log: `sistap log {log}` explains it")
     if not reader and not beginning.startswith(UTF_16) and is_raw(beginning[:_PIECE], framing):
-        return Source(log, RawReader(), is_pipe=False)
+        return LogSource(log, RawReader(), is_pipe=False)
     _check_text(log, beginning)
     if not reader and framing == ASCII and is_session(beginning):
         reader = SessionReader()
-    return Source(log, reader or AnyReader([*lines([beginning])], framing), is_pipe=False)
+    return LogSource(log, reader or AnyReader([*lines([beginning])], framing), is_pipe=False)
 
 
 def _check_text(log: str, beginning: bytes) -> None:

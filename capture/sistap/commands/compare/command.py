@@ -14,11 +14,10 @@ from sistap.commands.compare.side import read
 from sistap.dissected.captures.joining import check_captures
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.options import add_rule
-from sistap.dissected.wireshark.rows import NotACapture
-from sistap.dissected.wireshark.tshark import Tshark, TsharkError
-from sistap.tap.common.writing import Incomplete, NotOpened, opened
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.common.writing import opened
 from sistap.tap.terminal.console import Console
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError
+from sistap.tap.terminal.exits import DONE, Refusal
 from sistap.tap.terminal.writing import FORCE
 
 DESCRIPTION = """\
@@ -54,8 +53,6 @@ FORMATS: dict[str, Callable[[Comparison], str]] = {"text": plain.as_text, "html"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("captures", metavar="GOOD BAD", type=Path, nargs="*", help="one capture for each side")
     for side, time in (("good", "all was well"), ("bad", "it was not")):
         parser.add_argument(
@@ -70,22 +67,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the comparison; return the exit code."""
     console = Console()
-    try:
-        good, bad = (check_captures(side, console.say, args.output) for side in _sides(args))
-        progress = console.progress if console.shows_progress else _silent
-        with Tshark() as tshark, opened(args.output, [*good, *bad], force=args.force) as file:
-            before = read(tshark, good, console.say, progress, Engine(thresholds=args.thresholds))
-            engine = Engine(before.engine, args.thresholds)
-            comparison = compare(before, read(tshark, bad, console.say, progress, engine))
-            if console.shows_progress:
-                console.progress("")
-            file.write(FORMATS[args.format](comparison).encode())
-    except (UsageError, NotACapture, NotOpened) as error:
-        console.say(str(error))
-        return USAGE
-    except (Incomplete, TsharkError) as error:
-        console.say(str(error))
-        return FAILED
+    good, bad = (check_captures(side, console.say, args.output) for side in _sides(args))
+    with Tshark() as tshark, opened(args.output, [*good, *bad], force=args.force) as file:
+        before = read(tshark, good, console.say, console.progress, Engine(thresholds=args.thresholds))
+        engine = Engine(before.engine, args.thresholds)
+        comparison = compare(before, read(tshark, bad, console.say, console.progress, engine))
+        console.progress("")
+        file.write(FORMATS[args.format](comparison).encode())
     return DONE
 
 
@@ -95,9 +83,5 @@ def _sides(args: argparse.Namespace) -> tuple[list[Path], list[Path]]:
     elif args.good and args.bad and not args.captures:
         sides = args.good, args.bad
     else:
-        raise UsageError("name two captures, good and bad; for several files of a side use --good and --bad")
+        raise Refusal("name two captures, good and bad; for several files of a side use --good and --bad")
     return sides
-
-
-def _silent(text: str) -> None:
-    """Show no progress."""

@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 from sistap.commands.compare import scatter
 from sistap.commands.compare.happened import Happened, happened
 from sistap.commands.compare.samples import Samples
-from sistap.commands.compare.side import LIMITS, Service, Side
+from sistap.commands.compare.side import LIMITS, ServiceOfSide, Side
 from sistap.dissected.accesses.listing import Listed
 from sistap.dissected.packets.distribution import Distribution
+from sistap.tap.sis.limits import limit_text
 from sistap.tap.sis.telegram import service_name
 
 SMALL = 0.05  # times that differ by less than this part count as equal
@@ -70,7 +71,7 @@ class Times:
         return next((one for one in (self.middle, self.tail) if one.differs(self.uncertainty_s)), None)
 
 
-class Parameter(NamedTuple):
+class ComparedParameter(NamedTuple):
     """A parameter whose last value differs; None: this side does not have it."""
 
     good: Listed | None
@@ -85,7 +86,7 @@ class Parameter(NamedTuple):
         return found
 
 
-class Setting(NamedTuple):
+class ComparedSetting(NamedTuple):
     """A property of the line or a limit."""
 
     what: str
@@ -108,8 +109,8 @@ class Comparison:
     stations: list[Count]  # that are on one side only
     services: list[Count]  # as well
     times: list[Times]
-    parameters: list[Parameter]
-    settings: list[Setting]
+    parameters: list[ComparedParameter]
+    settings: list[ComparedSetting]
 
 
 def compare(good: Side, bad: Side) -> Comparison:
@@ -126,7 +127,7 @@ def compare(good: Side, bad: Side) -> Comparison:
     )
 
 
-def service_text(service: Service) -> str:
+def service_text(service: ServiceOfSide) -> str:
     """Name a service and its station."""
     return f"{service_name(service.number)} (0x{service.number:02x}) of station {service.station}"
 
@@ -162,16 +163,16 @@ def _pair(what: str, station: int, good: Samples, bad: Samples, uncertainty_s: f
     return Times(what, station, good.whole, bad.whole, middle, tail, uncertainty_s)
 
 
-def _parameters(good: Side, bad: Side) -> Iterator[Parameter]:
+def _parameters(good: Side, bad: Side) -> Iterator[ComparedParameter]:
     # Ports are left out: the tap may be at another port today.
     sides = [{listed.parameter._replace(port=""): listed for listed in side.parameters} for side in (good, bad)]
     for key in dict.fromkeys([*sides[0], *sides[1]]):
         before, after = (side.get(key) for side in sides)
         if before and after:
             if _differ(before, after):
-                yield Parameter(before, after, _moves(before) or _moves(after))
+                yield ComparedParameter(before, after, _moves(before) or _moves(after))
         elif (one := before or after) and one.writes:
-            yield Parameter(before, after, moves=False)
+            yield ComparedParameter(before, after, moves=False)
 
 
 def _differ(before: Listed, after: Listed) -> bool:
@@ -186,11 +187,11 @@ def _moves(listed: Listed) -> bool:
     return not listed.writes and (listed.first != listed.last or len(numbers) > 1)
 
 
-def _settings(good: Side, bad: Side) -> Iterator[Setting]:
-    yield Setting("Rate and format", *(", ".join(sorted(side.settings)) or "not known" for side in (good, bad)))
+def _settings(good: Side, bad: Side) -> Iterator[ComparedSetting]:
+    yield ComparedSetting("Rate and format", *(", ".join(sorted(side.settings)) or "not known" for side in (good, bad)))
     for name, title in LIMITS.items():
-        yield Setting(title, *(_limits(side.limits[name]) for side in (good, bad)))
+        yield ComparedSetting(title, *(_limits(side.limits[name]) for side in (good, bad)))
 
 
 def _limits(limits: Iterable[float]) -> str:
-    return ", ".join(f"{limit_s * 1e3:g} ms" for limit_s in sorted(limits)) or "none"
+    return ", ".join(map(limit_text, sorted(limits))) or "none"

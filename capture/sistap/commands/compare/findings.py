@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from sistap.commands.compare import scatter
-from sistap.commands.compare.differences import SMALL, Comparison, Count, Parameter, Quantile, Times
+from sistap.commands.compare.differences import SMALL, ComparedParameter, Comparison, Count, Quantile, Times
 from sistap.commands.compare.happened import Happened
 from sistap.commands.compare.side import Side
 from sistap.dissected.accesses.listing import Listed
@@ -16,6 +16,7 @@ from sistap.dissected.episodes.lines import clock_of, when
 from sistap.dissected.episodes.masters import station_of
 from sistap.dissected.episodes.rules import SUBJECTS, Subject
 from sistap.tap.common.calendar import local
+from sistap.tap.records.record import ms
 
 TIMES = "Times"
 NONE = "nothing differs"
@@ -23,7 +24,7 @@ CHANCE = "may be chance"
 _NAMED = 3  # episodes of the same thing that are told with their own times
 
 
-class Table(NamedTuple):
+class CompareTable(NamedTuple):
     """A heading, the heads of its columns, and rows of text."""
 
     title: str
@@ -32,7 +33,7 @@ class Table(NamedTuple):
     note: str = ""
 
 
-class Line(NamedTuple):
+class SummaryLine(NamedTuple):
     """A line of the summary: its subject, and the findings."""
 
     subject: str
@@ -48,7 +49,7 @@ def side(one: Side) -> str:
     return f"{first}{more}: {one.telegrams} telegrams in {one.seconds:.1f} s{since}"
 
 
-def lines(comparison: Comparison) -> list[Line]:
+def lines(comparison: Comparison) -> list[SummaryLine]:
     """Return the summary: the lines of the answer, on what the bad side alone has, and the times."""
     found: dict[str, list[str]] = {subject: [] for subject in (*SUBJECTS, TIMES)}
     for one in comparison.happened:
@@ -57,7 +58,7 @@ def lines(comparison: Comparison) -> list[Line]:
     found[SUBJECTS[Subject.SILENT]] += _members("gone", comparison.stations)
     found[SUBJECTS[Subject.CHANGED]] += _changed(comparison)
     found[TIMES] += _times(comparison)
-    return [Line(subject, texts) for subject, texts in found.items()]
+    return [SummaryLine(subject, texts) for subject, texts in found.items()]
 
 
 def _happened(one: Happened, bad: Side) -> str:
@@ -133,24 +134,21 @@ def _time(times: Times, one: Quantile) -> str:
     return f"station {times.station} {times.what} {change} ({one.ratio:.2f} times)"
 
 
-def ms(time_s: float) -> str:
-    """Write a time as the dissector writes it."""
-    return f"{time_s * 1e3:.3f} ms"
-
-
-def tables(comparison: Comparison) -> list[Table]:
+def tables(comparison: Comparison) -> list[CompareTable]:
     """Return all tables that have rows."""
     made = [
-        Table("What happened", _HAPPENED, [_happened_row(one, comparison) for one in comparison.happened]),
-        Table("Stations and services on one side alone", _COUNTS, _rows([*comparison.stations, *comparison.services])),
-        Table(
+        CompareTable("What happened", _HAPPENED, [_happened_row(one, comparison) for one in comparison.happened]),
+        CompareTable(
+            "Stations and services on one side alone", _COUNTS, _rows([*comparison.stations, *comparison.services])
+        ),
+        CompareTable(
             "Parameters whose last value differs",
             ("Parameter", "Good", "Bad", "Good: written by", "Bad: written by", ""),
             [_parameter(parameter) for parameter in comparison.parameters],
         ),
-        Table("Times", _TIMES, [_time_row(times) for times in comparison.times], _TIMES_NOTE),
-        Table("Line and limits", ("", "Good", "Bad"), [tuple(setting) for setting in comparison.settings]),
-        Table("Stations", ("Station", "Good: telegrams", "Bad: telegrams"), _stations(comparison)),
+        CompareTable("Times", _TIMES, [_time_row(times) for times in comparison.times], _TIMES_NOTE),
+        CompareTable("Line and limits", ("", "Good", "Bad"), [tuple(setting) for setting in comparison.settings]),
+        CompareTable("Stations", ("Station", "Good: telegrams", "Bad: telegrams"), _stations(comparison)),
     ]
     return [table for table in made if table.rows]
 
@@ -179,7 +177,7 @@ def _rows(counts: Iterable[Count]) -> list[tuple[str, ...]]:
     return [(one.what, str(one.good), str(one.bad), CHANCE if one.may_be_chance else "") for one in counts]
 
 
-def _parameter(parameter: Parameter) -> tuple[str, ...]:
+def _parameter(parameter: ComparedParameter) -> tuple[str, ...]:
     good, bad = parameter.good, parameter.bad
     moves = "moves by itself" if parameter.moves else ""
     return name(parameter.listed), _value(good), _value(bad), _who(good), _who(bad), moves

@@ -8,7 +8,7 @@ from html import escape
 import sistap
 from sistap.commands.compare import findings
 from sistap.commands.compare.differences import Comparison
-from sistap.commands.compare.findings import Table
+from sistap.commands.compare.findings import CompareTable
 from sistap.dissected.draw import html
 
 # Of every page, which the page for a browser has to allow.
@@ -44,7 +44,7 @@ def page(comparison: Comparison) -> str:
 {html.END}"""
 
 
-def _table(table: Table) -> str:
+def _table(table: CompareTable) -> str:
     heads = "".join(f'<th scope="col">{escape(head)}</th>' for head in table.heads)
     rows = "\n".join(f"<tr>{''.join(f'<td>{escape(text)}</td>' for text in row)}</tr>" for row in table.rows)
     note = f"<p>{escape(table.note)}</p>" if table.note else ""

@@ -8,12 +8,13 @@ import json
 from typing import Any
 
 from sistap.commands.compare import findings
-from sistap.commands.compare.differences import Comparison, Count, Parameter, Quantile, Times
-from sistap.commands.compare.findings import Table
+from sistap.commands.compare.differences import ComparedParameter, Comparison, Count, Times
+from sistap.commands.compare.findings import CompareTable
 from sistap.commands.compare.happened import Happened
 from sistap.commands.compare.side import Side
 from sistap.dissected.accesses.listing import Listed
 from sistap.dissected.packets.distribution import Distribution
+from sistap.tap.common.table import aligned
 
 
 def as_text(comparison: Comparison) -> str:
@@ -25,20 +26,14 @@ def as_text(comparison: Comparison) -> str:
     return "\n\n".join(["\n".join(head), *map(_table, findings.tables(comparison))]) + "\n"
 
 
-def _table(table: Table) -> str:
-    rows = [table.heads, *table.rows]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+def _table(table: CompareTable) -> str:
+    lines = aligned([table.heads, *table.rows])
     return "\n".join([table.title, "-" * len(table.title), *lines, *filter(None, [table.note])])
 
 
 def as_json(comparison: Comparison) -> str:
     """Return all differences as JSON; times are in s, as their names state."""
-    return json.dumps(_comparison(comparison), indent=2, allow_nan=False) + "\n"
-
-
-def _comparison(comparison: Comparison) -> dict[str, Any]:
-    return {
+    made = {
         "good": _side(comparison.good),
         "bad": _side(comparison.bad),
         "lines": {line.subject: line.found for line in findings.lines(comparison)},
@@ -50,6 +45,7 @@ def _comparison(comparison: Comparison) -> dict[str, Any]:
         "times": list(map(_times, comparison.times)),
         "settings": [setting._asdict() | {"differs": setting.differs} for setting in comparison.settings],
     }
+    return json.dumps(made, indent=2, allow_nan=False) + "\n"
 
 
 def _side(side: Side) -> dict[str, Any]:
@@ -72,7 +68,7 @@ def _count(count: Count) -> dict[str, Any]:
     return {"what": count.what, "good": count.good, "bad": count.bad, "may_be_chance": count.may_be_chance}
 
 
-def _parameter(parameter: Parameter) -> dict[str, Any]:
+def _parameter(parameter: ComparedParameter) -> dict[str, Any]:
     _, station, device, ident = parameter.listed.parameter
     return {
         "station": station,
@@ -102,15 +98,11 @@ def _times(times: Times) -> dict[str, Any]:
         "what": times.what,
         "good": _distribution(times.good),
         "bad": _distribution(times.bad),
-        "half_within": _quantile(times.middle),
-        "99_percent_within": _quantile(times.tail),
+        "half_within": times.middle._asdict(),
+        "99_percent_within": times.tail._asdict(),
         "uncertainty_s": times.uncertainty_s,
         "differs": times.differing is not None,
     }
-
-
-def _quantile(quantile: Quantile) -> dict[str, Any]:
-    return quantile._asdict()
 
 
 def _distribution(times: Distribution) -> dict[str, Any]:

@@ -16,65 +16,33 @@ from sistap.dissected.packets.distribution import Distribution
 MOST = 96  # pieces; merging neighbours leaves half of them
 _ZERO = -(10**6)  # the bin of 0, which has no logarithm
 
-
-class Piece:
-    """Consecutive values: how many there are, and how often each bin came."""
-
-    __slots__ = ("counts", "values")
-
-    def __init__(self) -> None:
-        self.values = 0
-        self.counts: Counter[int] = Counter()
-
-    def __iadd__(self, other: Piece) -> Piece:
-        self.values += other.values
-        self.counts.update(other.counts)
-        return self
+Piece = Counter[int]  # consecutive values: how often each bin came; bins are in the order of their values
 
 
-class Pieces:
-    """All pieces of a side, of equal length except the last."""
+class Samples:
+    """Values from 0 on, such as times in s; in pieces of equal length, except the last."""
 
     def __init__(self) -> None:
-        self.all: list[Piece] = []
-        self.length = 1  # values
+        self.whole = Distribution()
+        self.pieces: list[Piece] = []
+        self.length = 1  # values in a piece
 
-    def add(self, bins: Sequence[int]) -> None:
-        """Count values that came together: they belong to one piece."""
-        if not self.all or self.all[-1].values >= self.length:
-            if len(self.all) == MOST:
-                self._halve()
-            self.all.append(Piece())
-        self.all[-1].values += len(bins)
-        self.all[-1].counts.update(bins)
+    def add(self, values: Sequence[float]) -> None:
+        """Add values that came together: they belong to one piece."""
+        if not values:
+            return
+        self.whole.add(values)
+        if not self.pieces or self.pieces[-1].total() >= self.length:
+            if len(self.pieces) == MOST:
+                self.pieces = self.of_length(2 * self.length)
+                self.length *= 2
+            self.pieces.append(Counter())
+        self.pieces[-1].update(map(_bin, values))
 
     def of_length(self, length: int) -> list[Piece]:
         """Merge neighbours until a piece has this many values, a power of 2."""
         together = length // self.length
-        made = []
-        for first in range(0, len(self.all), together):
-            made.append(Piece())
-            for piece in self.all[first : first + together]:
-                made[-1] += piece
-        return made
-
-    def _halve(self) -> None:
-        self.all = self.of_length(2 * self.length)
-        self.length *= 2
-
-
-class Samples:
-    """Values from 0 on, such as times in s."""
-
-    def __init__(self) -> None:
-        self.whole = Distribution()
-        self.pieces = Pieces()  # by bin; bins are in the order of their values
-
-    def add(self, values: Sequence[float]) -> None:
-        """Add values that came together."""
-        if values:
-            self.whole.add(values)
-            self.pieces.add(list(map(_bin, values)))
+        return [sum(self.pieces[at : at + together], Counter()) for at in range(0, len(self.pieces), together)]
 
 
 def _bin(value: float) -> int:

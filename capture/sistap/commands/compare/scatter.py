@@ -28,7 +28,7 @@ def counts_differ(good: int, bad: int, share: float) -> bool:
 
 def middles_differ(good: Samples, bad: Samples) -> bool:
     """Tell whether the values of one side are surely larger: by the medians of its pieces."""
-    return _differ(*([_within(piece.counts, 0.5) for piece in _pieces(side)] for side in (good, bad)))
+    return _differ(*([_within(piece, 0.5) for piece in _pieces(side)] for side in (good, bad)))
 
 
 def tails_differ(good: Samples, bad: Samples) -> bool:
@@ -36,18 +36,18 @@ def tails_differ(good: Samples, bad: Samples) -> bool:
     sides = [_pieces(side) for side in (good, bad)]
     if not all(sides):
         return False
-    limit = _within(sum((piece.counts for side in sides for piece in side), Counter()), TAIL)
+    limit = _within(sum((piece for side in sides for piece in side), Counter()), TAIL)
     return _differ(*([_share_above(limit, piece) for piece in side] for side in sides))
 
 
 def _pieces(side: Samples) -> Sequence[Piece]:
-    pieces, length = side.pieces, side.pieces.length
-    while len(pieces.all) * pieces.length >= 2 * length * _ENOUGH:
+    length = side.length
+    while len(side.pieces) * side.length >= 2 * length * _ENOUGH:
         length *= 2
-    return pieces.of_length(length)
+    return side.of_length(length)
 
 
-def _within(counts: Counter[int], share: float) -> int:
+def _within(counts: Piece, share: float) -> int:
     """Return the bin that this share of all values does not exceed."""
     left = share * counts.total()
     for place in sorted(counts):
@@ -58,7 +58,7 @@ def _within(counts: Counter[int], share: float) -> int:
 
 
 def _share_above(limit: int, piece: Piece) -> float:
-    return sum(count for place, count in piece.counts.items() if place > limit) / piece.values
+    return sum(count for place, count in piece.items() if place > limit) / piece.total()
 
 
 def _differ(good: Sequence[float], bad: Sequence[float]) -> bool:

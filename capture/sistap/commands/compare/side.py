@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.commands.compare.samples import Samples
-from sistap.dissected.accesses.listing import Listing, Place
+from sistap.dissected.accesses.listing import AccessPlace, Listing
 from sistap.dissected.captures import portions
 from sistap.dissected.captures.joining import in_order
 from sistap.dissected.episodes.engine import Engine
@@ -27,7 +27,7 @@ _PROGRESS_EVERY = 5000  # packets
 LIMITS = {"tza": "TzA", "trs": "TrS", "tmas": "Tmas"}
 
 
-class Service(NamedTuple):
+class ServiceOfSide(NamedTuple):
     """A service that a station was asked for."""
 
     station: int
@@ -50,8 +50,8 @@ class Side:
     uncertainty: Distribution = field(default_factory=Distribution)
     stations: Counter[int] = field(default_factory=Counter)  # telegrams that each has sent
     masters: set[int] = field(default_factory=set)  # those that have sent commands
-    services: Counter[Service] = field(default_factory=Counter)  # reactions, and commands that none followed
-    reactions: defaultdict[Service, Samples] = field(default_factory=lambda: defaultdict(Samples))
+    services: Counter[ServiceOfSide] = field(default_factory=Counter)  # reactions, and commands that none followed
+    reactions: defaultdict[ServiceOfSide, Samples] = field(default_factory=lambda: defaultdict(Samples))
     intervals: defaultdict[int, Samples] = field(default_factory=lambda: defaultdict(Samples))  # by talker
     parameters: Listing = field(default_factory=Listing)
 
@@ -73,7 +73,7 @@ class Side:
         for telegram in packet.telegrams:
             self._add_telegram(packet, telegram)
         for access in packet.accesses:
-            self.parameters.add(Place(file, packet.number, packet.epoch_s), access)
+            self.parameters.add(AccessPlace(file, packet.number, packet.epoch_s), access)
 
     def _add_telegram(self, packet: Packet, telegram: Telegram) -> None:
         self.telegrams += 1
@@ -90,12 +90,12 @@ class Side:
         if telegram.service is None:
             return
         if telegram.is_reaction:
-            service = Service(telegram.talker, telegram.service)
+            service = ServiceOfSide(telegram.talker, telegram.service)
             self.services[service] += 1
             if telegram.reaction and telegram.reaction.measured_s:
                 self.reactions[service].add(telegram.reaction.measured_s)
         elif telegram.unanswered and telegram.listener is not None:
-            self.services[Service(telegram.listener, telegram.service)] += 1
+            self.services[ServiceOfSide(telegram.listener, telegram.service)] += 1
 
 
 def read(
@@ -107,7 +107,7 @@ def read(
 ) -> Side:
     """Read the captures of a side. Report damage.
 
-    NotACapture, TsharkError.
+    Refusal.
     """
     side = Side(engine=engine)
     for capture in in_order(captures):

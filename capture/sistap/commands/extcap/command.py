@@ -14,7 +14,7 @@ from sistap.commands.extcap.interfaces import sentence
 from sistap.commands.extcap.toolbar import Toolbar, controls
 from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU
 from sistap.tap.terminal.console import Console
-from sistap.tap.terminal.exits import DONE, USAGE
+from sistap.tap.terminal.exits import DONE, USAGE, Refusal
 
 DESCRIPTION = """\
 Serve as an interface of Wireshark: every serial port of this computer, and a simulated bus.
@@ -43,8 +43,6 @@ Answer = Callable[[argparse.Namespace], int]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.set_defaults(answer=_check_filter)
     asked = parser.add_argument_group("questions").add_mutually_exclusive_group()
     for option, (answer, text) in _ANSWERS.items():
@@ -91,7 +89,7 @@ def _config(args: argparse.Namespace) -> int:
 
 
 def _check_filter(args: argparse.Namespace) -> int:
-    from sistap.tap.capture.filter import Filter, FilterError
+    from sistap.tap.capture.filter import Filter
 
     if args.extcap_capture_filter is None:
         Console().say(
@@ -100,7 +98,7 @@ def _check_filter(args: argparse.Namespace) -> int:
         return USAGE
     try:
         Filter(args.extcap_capture_filter)
-    except FilterError as error:
+    except Refusal as error:
         # Wireshark takes any output as an error message, and exit code 0 as an answer
         print(str(error).partition("\n")[0])
     return DONE

@@ -38,7 +38,7 @@ DEMO = PREFIX + "demo"
 ANALYSER = PREFIX + "sigrok"
 
 
-class Interface(NamedTuple):
+class ExtcapInterface(NamedTuple):
     """One line of Wireshark's list."""
 
     name: str
@@ -48,23 +48,23 @@ class Interface(NamedTuple):
         return sentence("interface", value=self.name, display=self.display)
 
 
-def found() -> list[Interface]:
+def found() -> list[ExtcapInterface]:
     """List the ports, then the interfaces that need none. Without pyserial list only these, and say why."""
     try:
         names = _adapter_names()
         of_ports = [_of_port(port, str(behind.name), names) for port, behind in ports.found()]
-        return [*of_ports, *_analyser(), Interface(DEMO, "SIS demo bus")]
+        return [*of_ports, *_analyser(), ExtcapInterface(DEMO, "SIS demo bus")]
     except ModuleNotFoundError:
         why = f"no serial ports: pyserial is missing for {sys.executable}"
-        return [*_analyser(), Interface(DEMO, plain(f"SIS demo bus ({why})"))]
+        return [*_analyser(), ExtcapInterface(DEMO, plain(f"SIS demo bus ({why})"))]
 
 
-def _analyser() -> list[Interface]:
+def _analyser() -> list[ExtcapInterface]:
     """List one analyser for all that sigrok-cli can read: its dialog asks for the analyser and the channel."""
     if not probe.program():
         return []
     names = ", ".join(one.name for one in probe.plugged_in())
-    return [Interface(ANALYSER, plain(f"SIS tap: logic analyser ({names or 'by sigrok-cli'})"))]
+    return [ExtcapInterface(ANALYSER, plain(f"SIS tap: logic analyser ({names or 'by sigrok-cli'})"))]
 
 
 def port_of(name: str) -> str:
@@ -76,10 +76,10 @@ def port_of(name: str) -> str:
     return known_as if sys.platform == "win32" else str(DEVICES / known_as)
 
 
-def _of_port(port: str, adapter: str, names: dict[str, str]) -> Interface:
+def _of_port(port: str, adapter: str, names: dict[str, str]) -> ExtcapInterface:
     device = Path(port).name
     described = f"SIS tap: {device} ({adapter})" if adapter else f"SIS tap: {device}"
-    return Interface(PREFIX + names.get(ports.real(port), device), plain(described))
+    return ExtcapInterface(PREFIX + names.get(ports.real(port), device), plain(described))
 
 
 def _adapter_names() -> dict[str, str]:

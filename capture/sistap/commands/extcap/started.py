@@ -14,15 +14,13 @@ from sistap.commands.extcap import dialog
 from sistap.commands.extcap.interfaces import ANALYSER, DEMO, port_of
 from sistap.commands.extcap.toolbar import Toolbar
 from sistap.tap.analyser import probe
-from sistap.tap.capture.filter import FilterError
 from sistap.tap.capture.options import CaptureOptions, checked, rate
 from sistap.tap.capture.running import begin_in_vain, record
 from sistap.tap.files.output import Output, OutputRefused
-from sistap.tap.line.reader import PortError
 from sistap.tap.records.cut import Cut
 from sistap.tap.sis.limits import milliseconds
 from sistap.tap.sis.rates import RATES
-from sistap.tap.terminal.exits import PORT, USAGE, UsageError
+from sistap.tap.terminal.exits import USAGE, Refusal
 from sistap.tap.terminal.stop import Stop
 
 
@@ -41,10 +39,10 @@ def run(args: argparse.Namespace, toolbar: Toolbar) -> int:
         try:
             options = _options(args)
             return record(options, checked(options), output, stop, toolbar, toolbar.attend)
-        except (ValueError, UsageError, FilterError) as error:
+        except Refusal as refusal:
+            code, trouble = refusal.code, str(refusal)
+        except ValueError as error:
             code, trouble = USAGE, str(error)
-        except PortError as error:
-            code, trouble = PORT, str(error)
         toolbar.alarm(trouble)
         begin_in_vain(output, args.extcap_interface, trouble)
         return code

@@ -72,8 +72,6 @@ class Toolbar:
     Use it in a `with`. Wireshark shows the standard error output in a window when the capture ends.
     """
 
-    shows_progress = False  # attend() does it
-
     def __init__(self, control_in: str | None, control_out: str | None) -> None:
         self._console = Console()
         self._requests: SimpleQueue[Callable[[Capture], None]] = SimpleQueue()

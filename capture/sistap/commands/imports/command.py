@@ -12,9 +12,9 @@ from pathlib import Path
 from sistap.commands.imports import messages
 from sistap.commands.imports.convert import Conversion
 from sistap.commands.imports.formats import NAMES, opened
-from sistap.commands.imports.source import Source, Told
+from sistap.commands.imports.source import Source, Stated
 from sistap.dissected.wireshark.tshark import TsharkError
-from sistap.tap.files.output import Output, OutputError, OutputRefused
+from sistap.tap.files.output import Output
 from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN
@@ -22,7 +22,7 @@ from sistap.tap.records.counters import Counters
 from sistap.tap.records.cut import HELP, SIS, WORDS, Cut
 from sistap.tap.records.record import LARGEST_RATE
 from sistap.tap.terminal.console import STANDARD_OUTPUT, Console
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError, argument
+from sistap.tap.terminal.exits import DONE, Refusal, argument
 from sistap.tap.terminal.stop import Stop
 from sistap.tap.terminal.writing import FORCE
 
@@ -71,8 +71,6 @@ def _whole(text: str) -> int:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add("file", metavar="FILE", type=Path, help="the recording of another tool")
     add("-w", dest="output", metavar="OUT", required=True, help="write a pcapng file; - is standard output")
@@ -104,20 +102,16 @@ def run(args: argparse.Namespace) -> int:
     stop = Stop.current()
     console = Console()
     try:
-        told = _told(args)
+        stated = _stated(args)
         if args.dissector:
-            return _take_messages(args, told, stop, console)
+            return _take_messages(args, stated, stop, console)
         with ExitStack() as tools:
             output = tools.enter_context(closing(_output(args, stop)))
-            source = opened(args.file, told, tools)
+            source = opened(args.file, stated, tools)
             stop.at_once = False
             return _convert(args, source, output, stop, console)
-    except (UsageError, OutputRefused) as error:
-        console.say(_one_line(str(error)))
-        return USAGE
-    except (TsharkError, OutputError) as error:
-        console.say(_one_line(str(error)))
-        return FAILED
+    except Refusal as refusal:
+        raise Refusal(_one_line(str(refusal)), refusal.code) from None
 
 
 def _one_line(text: str) -> str:
@@ -125,22 +119,22 @@ def _one_line(text: str) -> str:
     return "".join(character if character.isprintable() else "?" for character in " ".join(text.split()))
 
 
-def _told(args: argparse.Namespace) -> Told:
-    """Check what the options say. May raise UsageError."""
-    told = Told(args.baud, args.format, args.samplerate, args.device, args.framing)
+def _stated(args: argparse.Namespace) -> Stated:
+    """Check what the options say. May raise Refusal."""
+    stated = Stated(args.baud, args.format, args.samplerate, args.device, args.framing)
     try:
-        told.settings  # noqa: B018 - only whether it can be made
+        stated.settings  # noqa: B018 - only whether it can be made
     except ValueError as error:
-        raise UsageError(str(error)) from None
+        raise Refusal(str(error)) from None
     _check_output(args)
-    return told
+    return stated
 
 
 def _check_output(args: argparse.Namespace) -> None:
     if args.output == STANDARD_OUTPUT and os.isatty(1):
-        raise UsageError("a terminal cannot show a pcapng file: add | wireshark -C SIS -k -i -, or name a file with -w")
+        raise Refusal("a terminal cannot show a pcapng file: add | wireshark -C SIS -k -i -, or name a file with -w")
     if args.file.exists() and Path(args.output).exists() and args.file.samefile(args.output):
-        raise UsageError(f"{args.output} is FILE itself: name another file with -w")
+        raise Refusal(f"{args.output} is FILE itself: name another file with -w")
 
 
 def _output(args: argparse.Namespace, stop: Stop) -> Output:
@@ -148,10 +142,10 @@ def _output(args: argparse.Namespace, stop: Stop) -> Output:
     return Output(args.output, stopped=lambda: stop.asked, force=args.force, sources=[args.file])
 
 
-def _take_messages(args: argparse.Namespace, told: Told, stop: Stop, console: Console) -> int:
+def _take_messages(args: argparse.Namespace, stated: Stated, stop: Stop, console: Console) -> int:
     """Make packets of a table of messages."""
-    if told != Told():
-        raise UsageError(
+    if stated != Stated():
+        raise Refusal(
             "a table of messages has no line: leave out --baud, --format, --framing, --device and --samplerate"
         )
     with closing(_output(args, stop)) as output:
@@ -170,7 +164,7 @@ def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Sto
     }
     conversion = Conversion(source, PcapngWriter(output, interfaces, counters), counters, args.file.name, args.framing)
     try:
-        conversion.run(lambda: stop.asked, console.progress if console.shows_progress else _silent)
+        conversion.run(lambda: stop.asked, console.progress)
     except TsharkError:
         if not stop.asked:  # else the same Ctrl-C has ended it
             raise
@@ -202,7 +196,3 @@ def _precision(uncertainties_ns: Counter[int]) -> str:
 
 def _milliseconds(time_ns: int) -> str:
     return f"{time_ns / 1e6:.2g} ms" if time_ns >= 1000 else f"{time_ns} ns"
-
-
-def _silent(text: str) -> None:
-    """Show no progress."""

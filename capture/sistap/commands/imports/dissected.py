@@ -8,13 +8,14 @@ from decimal import Decimal
 from pathlib import Path
 
 from sistap.dissected.wireshark import rows
+from sistap.dissected.wireshark.trouble import is_cut, is_no_capture, last_words
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 
 _JOINT = ","
 _LATEST_NS = 1 << 63
 
 
-class Rows:
+class FieldRows:
     """A dictionary of fields for each packet; commas join several values of a field."""
 
     def __init__(self, tshark: Tshark, capture: Path, fields: Sequence[str], options: Sequence[str] = ()) -> None:
@@ -30,17 +31,17 @@ class Rows:
             for line in self._tshark.lines(self._arguments):
                 yield rows.columns(self._fields, line)
         except TsharkError as error:
-            if not rows.is_cut(error):
+            if not is_cut(error):
                 raise
-            self.warning = rows.last_words(error, "its end is missing: it").rstrip(".")
+            self.warning = last_words(error, "its end is missing: it").rstrip(".")
 
 
 def protocols(tshark: Tshark, capture: Path) -> frozenset[str]:
     """Return the protocols of a capture's first packets; empty if it is not a capture. May raise TsharkError."""
     try:
-        packets = list(Rows(tshark, capture, ["frame.protocols"], ["-c", "10"]))
+        packets = list(FieldRows(tshark, capture, ["frame.protocols"], ["-c", "10"]))
     except TsharkError as error:
-        if rows.is_no_capture(error):
+        if is_no_capture(error):
             return frozenset()
         raise
     return frozenset(name for row in packets for name in row["frame.protocols"].split(":"))

@@ -12,21 +12,21 @@ from typing import NamedTuple
 from sistap.commands.imports import levels, saleae, session, sigrok, usb_transfers, usbmon, vcd, wave
 from sistap.commands.imports.dissected import protocols
 from sistap.commands.imports.rtac import RtacCapture
-from sistap.commands.imports.source import Source, Told
+from sistap.commands.imports.source import Source, Stated
 from sistap.commands.imports.usb import UsbCapture
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.common.packed import unpack
 from sistap.tap.files.pcapng import FIRST_BYTES
 from sistap.tap.terminal.advice import shell_word
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 
-class Text(NamedTuple):
+class TextFormat(NamedTuple):
     """A text that its first line identifies."""
 
     name: str
     first_line: str  # regular expression
-    opened: Callable[[Path, Told], Source]
+    opened: Callable[[Path, Stated], Source]
 
 
 class Form(NamedTuple):
@@ -34,35 +34,37 @@ class Form(NamedTuple):
 
     name: str
     is_it: Callable[[Path, str], bool]  # by the file and its beginning
-    read: Callable[[Path, Told], wave.Wave]
+    read: Callable[[Path, Stated], wave.Wave]
 
 
-class Capture(NamedTuple):
+class CaptureFormat(NamedTuple):
     """A capture file that a protocol in its first packets identifies."""
 
     name: str
     protocol: str  # in frame.protocols
-    opened: Callable[[Tshark, Path, Told], Source]
+    opened: Callable[[Tshark, Path, Stated], Source]
 
 
 CAPTURES = (
-    Capture(
+    CaptureFormat(
         "USB captures (usbmon, USBPcap) of an adapter: FTDI, CH340, CP210x, PL2303, CDC",
         "usb",
-        lambda tshark, path, told: UsbCapture(usb_transfers.Transfers(tshark, path), path, told),
+        lambda tshark, path, stated: UsbCapture(usb_transfers.Transfers(tshark, path), path, stated),
     ),
-    Capture("RTAC serial captures", "rtacser", RtacCapture),
+    CaptureFormat("RTAC serial captures", "rtacser", RtacCapture),
 )
 TEXTS = (
-    Text("data tables of Saleae Logic 2", saleae.LOGIC_2.first_line, saleae.reader(saleae.LOGIC_2)),
-    Text("exports of Saleae Logic 1", saleae.LOGIC_1.first_line, saleae.reader(saleae.LOGIC_1)),
-    Text("exports of Saleae Logic 1, all analysers", saleae.LOGIC_1_ALL.first_line, saleae.reader(saleae.LOGIC_1_ALL)),
-    Text(
+    TextFormat("data tables of Saleae Logic 2", saleae.LOGIC_2.first_line, saleae.reader(saleae.LOGIC_2)),
+    TextFormat("exports of Saleae Logic 1", saleae.LOGIC_1.first_line, saleae.reader(saleae.LOGIC_1)),
+    TextFormat(
+        "exports of Saleae Logic 1, all analysers", saleae.LOGIC_1_ALL.first_line, saleae.reader(saleae.LOGIC_1_ALL)
+    ),
+    TextFormat(
         "texts of usbmon, of the same adapters",
         usbmon.FIRST_LINE,
-        lambda path, told: UsbCapture(usbmon.Transfers(path), path, told),
+        lambda path, stated: UsbCapture(usbmon.UsbmonTransfers(path), path, stated),
     ),
-    Text("annotations of sigrok-cli and PulseView with sample numbers", sigrok.FIRST_LINE, sigrok.opened),
+    TextFormat("annotations of sigrok-cli and PulseView with sample numbers", sigrok.FIRST_LINE, sigrok.opened),
 )
 WAVES = (
     Form(
@@ -81,42 +83,42 @@ NAMES = tuple(known.name for known in (*CAPTURES, *TEXTS, *WAVES))
 _HEAD = 4096  # bytes that contain the first line
 
 
-def opened(path: Path, told: Told, tools: ExitStack) -> Source:
-    """Recognise a file and open it; `tools` keeps what it needs. May raise UsageError and TsharkError."""
+def opened(path: Path, stated: Stated, tools: ExitStack) -> Source:
+    """Recognise a file and open it; `tools` keeps what it needs. May raise Refusal and TsharkError."""
     if opener := known(path):
-        return opener(path, told)
+        return opener(path, stated)
     tshark = tools.enter_context(Tshark())
     seen = protocols(tshark, path)
     for capture in CAPTURES:
         if capture.protocol in seen:
-            return capture.opened(tshark, path, told)
+            return capture.opened(tshark, path, stated)
     if packed := unpack(path):
-        raise UsageError(packed)
+        raise Refusal(packed)
     if _first(path).startswith(FIRST_BYTES):
-        raise UsageError(f"{path} is a capture that Wireshark reads as it is: `sistap log {shell_word(str(path))}`")
-    raise UsageError(
+        raise Refusal(f"{path} is a capture that Wireshark reads as it is: `sistap log {shell_word(str(path))}`")
+    raise Refusal(
         f"{path} is none of the files that can be imported. For a log with bytes in hexadecimal: "
         f"`sistap annotate {shell_word(str(path))} -w FILE`. These can be imported: {'; '.join(NAMES)}"
     )
 
 
-def known(path: Path) -> Callable[[Path, Told], Source] | None:
-    """Return what opens a file of a logic analyser; None: it is none. May raise UsageError."""
+def known(path: Path) -> Callable[[Path, Stated], Source] | None:
+    """Return what opens a file of a logic analyser; None: it is none. May raise Refusal."""
     head = _first(path).decode(errors="replace").removeprefix("\ufeff").lstrip()
     for text in TEXTS:
         if re.match(text.first_line, head):
             return text.opened
     for form in WAVES:
         if form.is_it(path, head):
-            return lambda path, told: wave.opened(path, form.read(path, told), told)
+            return lambda path, stated: wave.opened(path, form.read(path, stated), stated)
     return None
 
 
 def _first(path: Path) -> bytes:
     if path.exists() and not path.is_file() and not path.is_dir():
-        raise UsageError(f"{path} is not a file: it is read more than once, so save it first")
+        raise Refusal(f"{path} is not a file: it is read more than once, so save it first")
     try:
         with path.open("rb") as file:
             return file.read(_HEAD)
     except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}; name a file that another tool has recorded") from None
+        raise Refusal(f"cannot read {path}: {error.strerror}; name a file that another tool has recorded") from None

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.commands.imports.saleae import seconds
-from sistap.commands.imports.source import NS, Told, lines
+from sistap.commands.imports.source import NS, Stated, lines
 from sistap.commands.imports.wave import NO_END, Wave
 from sistap.tap.analyser.probe import hertz
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 SALEAE = "<SALEAE>"
 
@@ -45,11 +45,11 @@ def is_table(head: str) -> bool:
     return _layout(head.splitlines()) is not None
 
 
-def read_table(path: Path, told: Told) -> Wave:
-    """Read a table. May raise UsageError."""
+def read_table(path: Path, stated: Stated) -> Wave:
+    """Read a table. May raise Refusal."""
     layout = _layout(lines(path))
     assert layout
-    samplerate = told.samplerate or layout.samplerate
+    samplerate = stated.samplerate or layout.samplerate
     rate = NS if layout.unit_ns else samplerate or NS
     channels = [array("q") for _ in layout.names]
     now, last = _BEFORE_ALL if layout.unit_ns else -1, 0
@@ -75,19 +75,19 @@ def read_table(path: Path, told: Told) -> Wave:
     return Wave(rate, dict(zip(layout.names, channels, strict=True)), end, samplerate, warning)
 
 
-def read_saleae(path: Path, told: Told) -> Wave:
-    """Read a binary file of Saleae Logic 2: one channel. May raise UsageError."""
+def read_saleae(path: Path, stated: Stated) -> Wave:
+    """Read a binary file of Saleae Logic 2: one channel. May raise Refusal."""
     try:
         with path.open("rb") as file:
             _, version, kind, level, begin_s, end_s, _ = _BINARY.unpack(file.read(_BINARY.size))
             times = file.read()
         if (version, kind) != (0, 0):
-            raise UsageError(f"{path} is not digital, or of a newer version: export the levels as CSV")
+            raise Refusal(f"{path} is not digital, or of a newer version: export the levels as CSV")
         begin = [round(begin_s * NS)] if level else []
         edges = sorted(round(time_s * NS) for (time_s,) in struct.iter_unpack("<d", times[: len(times) // 8 * 8]))
-        return Wave(NS, {path.stem: array("q", begin + edges)}, round(end_s * NS), told.samplerate)
+        return Wave(NS, {path.stem: array("q", begin + edges)}, round(end_s * NS), stated.samplerate)
     except (struct.error, ValueError, OverflowError) as error:
-        raise UsageError(f"{path} cannot be read ({error}): export it again") from None
+        raise Refusal(f"{path} cannot be read ({error}): export it again") from None
 
 
 def _ns(text: str, unit_ns: int) -> int:

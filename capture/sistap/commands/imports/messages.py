@@ -19,7 +19,7 @@ from sistap.commands.imports.source import lines
 from sistap.tap.files import pcapng
 from sistap.tap.files.output import Output
 from sistap.tap.files.pcapng import Interface, PacketFlags
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 DISSECTORS = ("synaxpk", "synaxpcp", "synaxpd", "arcnet7f")
 
@@ -40,13 +40,13 @@ class Message(NamedTuple):
 
 
 def read(path: Path) -> list[Message]:
-    """Read the whole table. UsageError names the line that is wrong, and the cure."""
+    """Read the whole table. Refusal names the line that is wrong, and the cure."""
     try:
         messages = list(_messages(path))
     except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}; name a table of messages") from None
+        raise Refusal(f"cannot read {path}: {error.strerror}; name a table of messages") from None
     if not messages:
-        raise UsageError(f"{path} has no messages in it: {_LINE}")
+        raise Refusal(f"{path} has no messages in it: {_LINE}")
     return messages
 
 
@@ -57,7 +57,7 @@ def _messages(path: Path) -> Iterator[Message]:
         try:
             yield _message(line)
         except ValueError as error:
-            raise UsageError(f"{path}:{number}: {error}") from None
+            raise Refusal(f"{path}:{number}: {error}") from None
 
 
 def _message(line: str) -> Message:

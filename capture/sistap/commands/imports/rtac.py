@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.commands.imports.dissected import Rows, nanoseconds
-from sistap.commands.imports.source import RECEIVED, SENT, Told, need_rate, numbered
+from sistap.commands.imports.dissected import FieldRows, nanoseconds
+from sistap.commands.imports.source import RECEIVED, SENT, Stated, need_rate, numbered
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, Read
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 _FIELDS = ("rtacser.timestamp", "rtacser.eventtype", "data.data")
 _OPTIONS = ("-d", "rtacser.data,data")  # the raw bytes, whatever the user decodes them as
@@ -41,15 +41,15 @@ _EVENTS = {
 class RtacCapture:
     """A Source: the characters of an RTAC capture."""
 
-    def __init__(self, tshark: Tshark, capture: Path, told: Told) -> None:
-        """Find the lines in the capture. May raise UsageError and TsharkError."""
-        self._rows = Rows(tshark, capture, _FIELDS, _OPTIONS)
-        self.settings = told.settings
+    def __init__(self, tshark: Tshark, capture: Path, stated: Stated) -> None:
+        """Find the lines in the capture. May raise Refusal and TsharkError."""
+        self._rows = FieldRows(tshark, capture, _FIELDS, _OPTIONS)
+        self.settings = stated.settings
         need_rate(self.settings, capture)
         self.settings_from = "as given"
         lines = {read.line for read in self.reads()}
         if not lines:
-            raise UsageError(f"{capture} has no characters in it: capture while the bus is in use")
+            raise Refusal(f"{capture} has no characters in it: capture while the bus is in use")
         self.lines = numbered(
             "serial port, received", "serial port, sent", has_received=RECEIVED in lines, has_sent=SENT in lines
         )

@@ -14,14 +14,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.commands.imports.sampled import HEXADECIMAL, Row, SampledLine, Unreadable, bits_to_stop
-from sistap.commands.imports.source import Told, lines, need_rate
+from sistap.commands.imports.sampled import HEXADECIMAL, Row, SampledLine, UnreadableRow, bits_to_stop
+from sistap.commands.imports.source import Stated, lines, need_rate
 from sistap.tap.line.settings import Flag
 
 _Cells = dict[str, str]
 
 
-class Table(NamedTuple):
+class Columns(NamedTuple):
     """A form of the table, defined by the names of its columns."""
 
     first_line: str  # regular expression
@@ -32,12 +32,14 @@ class Table(NamedTuple):
     errors: tuple[str, ...] = ()  # columns that are empty without an error
 
 
-LOGIC_2 = Table(r'"?name"?,"?type"?,"?start_time"?,"?duration"?,', "start_time", "data", "name", "duration", ("error",))
-LOGIC_1 = Table(
+LOGIC_2 = Columns(
+    r'"?name"?,"?type"?,"?start_time"?,"?duration"?,', "start_time", "data", "name", "duration", ("error",)
+)
+LOGIC_1 = Columns(
     r"Time \[s\], ?Value, ?Parity Error, ?Framing Error", "Time [s]", "Value", errors=("Parity Error", "Framing Error")
 )
 # Several analysers in one table. An error follows the value in brackets: "0x02 (parity error)".
-LOGIC_1_ALL = Table(
+LOGIC_1_ALL = Columns(
     r"Time \[s\], ?Analyzer Name, ?Decoded Protocol Result", "Time [s]", "Decoded Protocol Result", "Analyzer Name"
 )
 
@@ -48,25 +50,25 @@ _SECONDS = re.compile(r"-?\d{1,9}(\.\d+)?([eE]-\d\d?)?")
 _FRACTION = re.compile(r"\.(\d+)")
 
 
-def reader(table: Table) -> Callable[[Path, Told], SampledLine]:
+def reader(table: Columns) -> Callable[[Path, Stated], SampledLine]:
     """Return a function that opens a file with such a table."""
 
-    def opened(path: Path, told: Told) -> SampledLine:
-        need_rate(told.settings, path)
-        return SampledLine(path, _rows(path, table, told), told)
+    def opened(path: Path, stated: Stated) -> SampledLine:
+        need_rate(stated.settings, path)
+        return SampledLine(path, _rows(path, table, stated), stated)
 
     return opened
 
 
-def _rows(path: Path, table: Table, told: Told) -> Iterator[Row | Unreadable]:
-    settings = told.settings
+def _rows(path: Path, table: Columns, stated: Stated) -> Iterator[Row | UnreadableRow]:
+    settings = stated.settings
     frame_s = bits_to_stop(settings, after_start=True) / settings.baud
     rows = csv.DictReader((line.replace("\0", "") for line in lines(path)), skipinitialspace=True)
     while True:
         try:
             cells = next(rows, None)
         except csv.Error as error:
-            yield Unreadable(rows.line_num, str(error))
+            yield UnreadableRow(rows.line_num, str(error))
             return
         if cells is None:
             return
@@ -77,10 +79,10 @@ def _rows(path: Path, table: Table, told: Told) -> Iterator[Row | Unreadable]:
             value, flags = _value(cells, table)
             yield Row(cells.get(table.channel) or "serial", seconds(cells[table.time]) + duration_s, value, flags)
         except (ValueError, TypeError, KeyError) as error:
-            yield Unreadable(rows.line_num, str(error) if isinstance(error, ValueError) else "it is cut")
+            yield UnreadableRow(rows.line_num, str(error) if isinstance(error, ValueError) else "it is cut")
 
 
-def _value(cells: _Cells, table: Table) -> tuple[int, Flag]:
+def _value(cells: _Cells, table: Columns) -> tuple[int, Flag]:
     text = cells[table.value]
     remark = _REMARK.search(text)
     match = _VALUE.fullmatch(text[: remark.start()] if remark else text)

@@ -9,9 +9,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.commands.imports.source import NS, RECEIVED, SENT, Told, numbered
+from sistap.commands.imports.source import NS, RECEIVED, SENT, Stated, numbered
 from sistap.tap.line.settings import Flag, LineSettings, Read
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 HEXADECIMAL = "let the decoder show hexadecimal values, and export again"
 
@@ -31,7 +31,7 @@ class Row(NamedTuple):
     flags: Flag = Flag(0)
 
 
-class Unreadable(NamedTuple):
+class UnreadableRow(NamedTuple):
     """A line of a file that has a character but cannot be read."""
 
     number: int  # from 1
@@ -41,34 +41,34 @@ class Unreadable(NamedTuple):
 class SampledLine:
     """A Source: the characters of one or two channels."""
 
-    def __init__(self, path: Path, rows: Iterable[Row | Unreadable], told: Told, cure: str = DECODER) -> None:
-        """Read all characters: a table may have one channel after the other. May raise UsageError.
+    def __init__(self, path: Path, rows: Iterable[Row | UnreadableRow], stated: Stated, cure: str = DECODER) -> None:
+        """Read all characters: a table may have one channel after the other. May raise Refusal.
 
         `cure` is what to do if most of them are faulty.
         """
-        self.settings = told.settings
+        self.settings = stated.settings
         self.settings_from = "as given"
         self.warning = ""
         self._rows = sorted(self._readable(rows), key=lambda row: row.time_s)
         if not self._rows:
-            raise UsageError(f"{path} has no characters that can be read: {self.warning or HEXADECIMAL}")
+            raise Refusal(f"{path} has no characters that can be read: {self.warning or HEXADECIMAL}")
         if 2 * sum(bool(row.flags & ~Flag.LOST_BEFORE) for row in self._rows) > len(self._rows):
             self.warning = self.warning or f"most characters are faulty: {cure}"
         channels = sorted({row.channel for row in self._rows})
         if len(channels) > 2:
             listed = ", ".join(channels)
-            raise UsageError(
+            raise Refusal(
                 f"{path} has {len(channels)} decoders ({listed}): export one, or the two directions of one bus"
             )
         self._lines = dict(zip(channels, (RECEIVED, SENT), strict=False))
         self.lines = numbered(channels[0], channels[-1], has_sent=len(channels) > 1)
         self._period_ns = (
-            math.ceil(NS / told.samplerate)
-            if told.samplerate
+            math.ceil(NS / stated.samplerate)
+            if stated.samplerate
             else math.ceil(NS / (self.settings.baud * _SAMPLES_A_BIT))
         )
         self.timing = "times of a logic analyser, to a sample" + (
-            f" ({told.samplerate} Hz)" if told.samplerate else ", which is at most a quarter of a bit"
+            f" ({stated.samplerate} Hz)" if stated.samplerate else ", which is at most a quarter of a bit"
         )
 
     def reads(self) -> Iterator[Read]:
@@ -79,11 +79,11 @@ class SampledLine:
             line = self._lines[row.channel]
             yield Read(line, time_ns, bytes([row.value]), bytes([row.flags]), self._period_ns, self.settings)
 
-    def _readable(self, rows: Iterable[Row | Unreadable]) -> Iterator[Row]:
+    def _readable(self, rows: Iterable[Row | UnreadableRow]) -> Iterator[Row]:
         """Skip what cannot be read, and mark that something is missing."""
         missing = Flag(0)
         for row in rows:
-            if isinstance(row, Unreadable):
+            if isinstance(row, UnreadableRow):
                 missing = Flag.LOST_BEFORE
                 self.warning = self.warning or f"line {row.number} cannot be read ({row.why})"
             elif abs(row.time_s) > _LONGEST_S:

@@ -18,12 +18,12 @@ from configparser import Error as ConfigError
 from pathlib import Path
 from zipfile import BadZipFile, ZipFile, is_zipfile
 
-from sistap.commands.imports.source import Told
+from sistap.commands.imports.source import Stated
 from sistap.commands.imports.wave import HEAD, Wave
 from sistap.tap.analyser.finding import BAUDS
 from sistap.tap.analyser.probe import hertz
 from sistap.tap.analyser.uart import FEWEST_SAMPLES, HIGH, LOW, Edges
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 _PIECE = 1 << 17  # bytes read at once
 _MOST_EDGES = 16_000_000  # of all channels: an hour of a busy bus at 9600 Bd
@@ -44,21 +44,21 @@ def is_session(path: Path) -> bool:
         return False
 
 
-def read(path: Path, told: Told) -> Wave:
-    """Read a session. May raise UsageError."""
+def read(path: Path, stated: Stated) -> Wave:
+    """Read a session. May raise Refusal."""
     try:
         with ZipFile(path) as archive:
             reader = _dsview if _is_dsview(archive) else _sigrok
-            return _wave(path, *reader(archive, path, told), told)
+            return _wave(path, *reader(archive, path, stated), stated)
     except (BadZipFile, OSError, EOFError, NotImplementedError, RuntimeError, zlib.error) as error:
-        raise UsageError(f"{path} cannot be read ({error}): save it again") from None
+        raise Refusal(f"{path} cannot be read ({error}): save it again") from None
     except (ConfigError, KeyError, ValueError) as error:
-        raise UsageError(f"{path} is no session with samples of logic ({error})") from None
+        raise Refusal(f"{path} is no session with samples of logic ({error})") from None
 
 
-def _wave(path: Path, samplerate: int, names: Sequence[str], samples: _Samples, told: Told) -> Wave:
+def _wave(path: Path, samplerate: int, names: Sequence[str], samples: _Samples, stated: Stated) -> Wave:
     """Find the edges. Of a channel that is too fast for a serial line, only the beginning counts."""
-    fastest = min(max(BAUDS[-1], told.baud or 0) / samplerate, 1 / FEWEST_SAMPLES)  # edges in a sample
+    fastest = min(max(BAUDS[-1], stated.baud or 0) / samplerate, 1 / FEWEST_SAMPLES)  # edges in a sample
     edges = {name: Edges() for name in names}
     channels = {name: array("q") for name in names}
     too_fast = set()
@@ -70,7 +70,7 @@ def _wave(path: Path, samplerate: int, names: Sequence[str], samples: _Samples, 
                 del found[HEAD:]
             channels[name].extend(found)
             if sum(map(len, channels.values())) > _MOST_EDGES:
-                raise UsageError(
+                raise Refusal(
                     f"{path} has more than {_MOST_EDGES // 10**6} million edges: save it again with the channels of "
                     "the bus only, or a part of it"
                 )
@@ -85,12 +85,12 @@ def _described(archive: ZipFile, text: str, section: str) -> SectionProxy:
     return config[section]
 
 
-def _samplerate(said: SectionProxy, path: Path, told: Told) -> int:
+def _samplerate(said: SectionProxy, path: Path, stated: Stated) -> int:
     if rate := said.get("samplerate"):
         return hertz(rate)
-    if not told.samplerate:
-        raise UsageError(f"{path} does not say how many samples a second has: add --samplerate HZ")
-    return told.samplerate
+    if not stated.samplerate:
+        raise Refusal(f"{path} does not say how many samples a second has: add --samplerate HZ")
+    return stated.samplerate
 
 
 def _probes(said: SectionProxy) -> dict[int, str]:
@@ -111,14 +111,14 @@ def _pieces(archive: ZipFile, parts: Sequence[str]) -> Iterator[bytes]:
                 yield piece
 
 
-def _sigrok(archive: ZipFile, path: Path, told: Told) -> tuple[int, list[str], _Samples]:
+def _sigrok(archive: ZipFile, path: Path, stated: Stated) -> tuple[int, list[str], _Samples]:
     said = _described(archive, "metadata", "device 1")
-    size, samplerate = int(said.get("unitsize", "1")), _samplerate(said, path, told)
+    size, samplerate = int(said.get("unitsize", "1")), _samplerate(said, path, stated)
     begin = said.get("capturefile", "logic-1")
     parts = _parts(archive, f"{begin}-") or [name for name in archive.namelist() if name == begin]
     places = {name: divmod(number - 1, 8) for number, name in _probes(said).items() if 0 < number <= 8 * size}
     if not 0 < size <= 64 or not places or not parts:
-        raise UsageError(f"{path} has no samples of logic channels: save them from sigrok-cli or PulseView")
+        raise Refusal(f"{path} has no samples of logic channels: save them from sigrok-cli or PulseView")
     tables = [bytes((HIGH if value >> bit & 1 else LOW)[0] for value in range(256)) for bit in range(8)]
 
     def samples() -> _Samples:
@@ -138,7 +138,7 @@ def _is_dsview(archive: ZipFile) -> bool:
     return "header" in names and any(re.fullmatch(r"L-\d+/\d+", name) for name in names)
 
 
-def _dsview(archive: ZipFile, path: Path, told: Told) -> tuple[int, list[str], _Samples]:
+def _dsview(archive: ZipFile, path: Path, stated: Stated) -> tuple[int, list[str], _Samples]:
     said = _described(archive, "header", "header")
     parts = {name: _parts(archive, f"L-{number}/") for number, name in _probes(said).items()}
 
@@ -147,4 +147,4 @@ def _dsview(archive: ZipFile, path: Path, told: Told) -> tuple[int, list[str], _
             for piece in _pieces(archive, files):
                 yield name, b"".join(map(_EIGHT.__getitem__, piece))
 
-    return _samplerate(said, path, told), list(parts), samples()
+    return _samplerate(said, path, stated), list(parts), samples()

@@ -14,10 +14,10 @@ from bisect import bisect_right
 from fractions import Fraction
 from pathlib import Path
 
-from sistap.commands.imports.sampled import Row, SampledLine, Unreadable, bits_to_stop
-from sistap.commands.imports.source import Told, lines, need_rate
+from sistap.commands.imports.sampled import Row, SampledLine, UnreadableRow, bits_to_stop
+from sistap.commands.imports.source import Stated, lines, need_rate
 from sistap.tap.line.settings import Flag, LineSettings
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 FIRST_LINE = r"\d+-\d+ [^:]+: "
 
@@ -28,27 +28,27 @@ _CHARACTERS = re.compile(r"((RX|TX)( data)?|(rx|tx)-data|)")
 _ERRORS = {"Parity error": Flag.CHARACTER_ERROR, "Frame error": Flag.CHARACTER_ERROR, "Break condition": Flag.BREAK}
 
 
-def opened(path: Path, told: Told) -> SampledLine:
-    """Open a file of annotations. May raise UsageError."""
-    if told.samplerate is None:
-        also = "" if told.settings.baud else ", and the rate of the bus, such as --baud 9600"
-        raise UsageError(f"{path} counts samples and does not say how many a second has: add --samplerate HZ{also}")
-    need_rate(told.settings, path)
-    return SampledLine(path, _rows(path, told.settings, told.samplerate), told)
+def opened(path: Path, stated: Stated) -> SampledLine:
+    """Open a file of annotations. May raise Refusal."""
+    if stated.samplerate is None:
+        also = "" if stated.settings.baud else ", and the rate of the bus, such as --baud 9600"
+        raise Refusal(f"{path} counts samples and does not say how many a second has: add --samplerate HZ{also}")
+    need_rate(stated.settings, path)
+    return SampledLine(path, _rows(path, stated.settings, stated.samplerate), stated)
 
 
-def _rows(path: Path, settings: LineSettings, samplerate: int) -> list[Row | Unreadable]:
+def _rows(path: Path, settings: LineSettings, samplerate: int) -> list[Row | UnreadableRow]:
     """Return the characters in the order of the file, each with its errors."""
     bit = Fraction(samplerate, settings.baud)  # in samples
     to_stop = bits_to_stop(settings, after_start=False) * bit
-    rows: list[Row | Unreadable] = []
+    rows: list[Row | UnreadableRow] = []
     begins: dict[str, list[tuple[int, int]]] = {}  # for each channel: where the data of a row begin, and which row
     errors: list[tuple[str, int, Flag]] = []
     for number, line in enumerate(lines(path), 1):
         match = _LINE.fullmatch(line.strip())
         if not match:
             if line.strip():
-                rows.append(Unreadable(number, "it is no annotation of sigrok"))
+                rows.append(UnreadableRow(number, "it is no annotation of sigrok"))
             continue
         start, end, kind, text = int(match[1]), int(match[2]), match["kind"] or "", match["text"]
         channel = f"{match['decoder']} {kind[:2].upper()}".strip()
@@ -62,7 +62,7 @@ def _rows(path: Path, settings: LineSettings, samplerate: int) -> list[Row | Unr
     return rows
 
 
-def _mark(rows: list[Row | Unreadable], begins: list[tuple[int, int]], latest: int, flag: Flag) -> None:
+def _mark(rows: list[Row | UnreadableRow], begins: list[tuple[int, int]], latest: int, flag: Flag) -> None:
     """Mark the last character whose data begin up to this sample.
 
     A break begins with the start bit, a bit before the data. Other errors are behind the data, and the next character

@@ -9,13 +9,13 @@ from typing import NamedTuple, Protocol
 
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.cut import SIS, Cut
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 NS = 1_000_000_000
 SHARED, RECEIVED, SENT = 0, 1, 2  # lines: the only one, or the two directions
 
 
-class Told(NamedTuple):
+class Stated(NamedTuple):
     """What the user states because the file may not; None: nothing."""
 
     baud: int | None = None
@@ -71,18 +71,18 @@ def need_rate(settings: LineSettings, name: object, why: str = "") -> None:
     """
     if not settings.baud:
         reason = f" ({why})" if why else ""
-        raise UsageError(f"{name} does not say at which rate the bus ran{reason}: add it, such as --baud 9600")
+        raise Refusal(f"{name} does not say at which rate the bus ran{reason}: add it, such as --baud 9600")
 
 
 _LONGEST = 1_000_000  # characters; a file without any end of line must not fill the memory
 
 
 def lines(path: Path) -> Iterator[str]:
-    """Yield the lines with their ends. OSError; UsageError if a line is too long."""
+    """Yield the lines with their ends. OSError; Refusal if a line is too long."""
     with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
         number = 0
         while line := file.readline(_LONGEST):
             number += 1
             if len(line) == _LONGEST:
-                raise UsageError(f"{path}:{number}: the line has more than {_LONGEST} characters: this is no table")
+                raise Refusal(f"{path}:{number}: the line has more than {_LONGEST} characters: this is no table")
             yield line

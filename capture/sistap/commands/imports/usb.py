@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Protocol
 
 from sistap.commands.imports import cdc, ftdi
-from sistap.commands.imports.source import RECEIVED, SENT, Told, need_rate, numbered
+from sistap.commands.imports.source import RECEIVED, SENT, Stated, need_rate, numbered
 from sistap.commands.imports.usb_kinds import CDC, FORMS, FTDI, KINDS, UNKNOWN, Kind
 from sistap.commands.imports.usb_transfers import (
     BULK,
@@ -27,22 +27,22 @@ from sistap.commands.imports.usb_transfers import (
 from sistap.tap.line.settings import Flag, LineSettings, Read
 from sistap.tap.records.framer import Framer
 from sistap.tap.records.record import Record
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 _NOT_SAID = LineSettings(0, 0, "", 0)
 _ENOUGH = 2  # different requests that an adapter of a kind gets
 
 
-class Adapter:
+class UsbAdapter:
     """A port, and what came and went through it."""
 
-    def __init__(self, kind: Kind, told: Told) -> None:
+    def __init__(self, kind: Kind, stated: Stated) -> None:
         self.kind = kind
-        self.settings = told.settings
+        self.settings = stated.settings
         self.said = _NOT_SAID  # what the capture says of them; what the user says goes before it
         self.latency_ms = kind.latency_ms
         self.latency_was_set = False
-        self._told = told
+        self._stated = stated
         self._transfers = kind.transfers()
         self._arrivals = Arrivals()
         self._departures = Departures()
@@ -70,7 +70,7 @@ class Adapter:
     def _take_request(self, setup: Setup, data: bytes) -> None:
         self._transfers.asked(setup)
         self.said = self.kind.settings_after(setup, data, self.said)
-        self.settings = line_settings(self._told, self.said)
+        self.settings = line_settings(self._stated, self.said)
         latency_ms = ftdi.latency_ms(setup)
         if self.latency_ms is not None and latency_ms is not None:
             self.latency_ms = latency_ms
@@ -112,10 +112,10 @@ class Adapter:
             self._next_sent |= Flag.LOST_BEFORE
 
 
-def line_settings(told: Told, said: LineSettings) -> LineSettings:
+def line_settings(stated: Stated, said: LineSettings) -> LineSettings:
     """Return the settings of a line: those that the user states, else what the capture says, else 8E1."""
-    format_of = told.settings if told.format or not said.data_bits else said
-    return format_of._replace(baud=told.baud or said.baud)
+    format_of = stated.settings if stated.format or not said.data_bits else said
+    return format_of._replace(baud=stated.baud or said.baud)
 
 
 # -- The capture -----------------------------------------------------------------------------------------------------
@@ -124,10 +124,10 @@ def line_settings(told: Told, said: LineSettings) -> LineSettings:
 class _Port:
     """What a capture shows about a port, read as a certain kind of adapter."""
 
-    def __init__(self, name: str, kind: Kind, told: Told) -> None:
+    def __init__(self, name: str, kind: Kind, stated: Stated) -> None:
         self.name = name  # "1.5", "1.5B"
         self.why = ""  # it is read as this kind
-        self.adapter = Adapter(kind, told)
+        self.adapter = UsbAdapter(kind, stated)
         self.settings: LineSettings | None = None  # of its first character
         self.said = _NOT_SAID  # by then
         self.counts = {False: 0, True: 0}  # characters received and sent
@@ -135,7 +135,7 @@ class _Port:
         self.sources: set[int] = set()  # endpoints of these characters
         # latency timers at that time, in ms, and whether they were set
         self.timers: set[tuple[int | None, bool]] = set()
-        self._told = told
+        self._stated = stated
         self._framers: dict[int, Framer] = {}
 
     def look(self, transfer: Transfer) -> None:
@@ -159,7 +159,7 @@ class _Port:
             self.settings, self.said = read.settings, self.adapter.said
         self.counts[read.line == SENT] += len(read.data)
         if read.line not in self._framers:
-            self._framers[read.line] = self._told.cut.framer(read.line, read.settings)
+            self._framers[read.line] = self._stated.cut.framer(read.line, read.settings)
         self._judge(self._framers[read.line].feed(read))
 
     def _judge(self, records: Iterable[Record]) -> None:
@@ -184,8 +184,8 @@ class _Port:
 class _Device:
     """What a capture shows about any device. Its kind may show only in the last transfer: it is read as each kind."""
 
-    def __init__(self, told: Told) -> None:
-        self._told = told
+    def __init__(self, stated: Stated) -> None:
+        self._stated = stated
         self._vendor: int | None = None
         self._classes: frozenset[int] = frozenset()
         self._requests: set[tuple[int, int]] = set()
@@ -206,7 +206,7 @@ class _Device:
         for kind in [*named, CDC] if named else KINDS:
             ports, name = self._ports[kind.name], _port_name(transfer, kind)
             if name not in ports:
-                ports[name] = _Port(name, kind, self._told)
+                ports[name] = _Port(name, kind, self._stated)
             ports[name].look(transfer)
 
     def ports(self) -> Iterator[_Port]:
@@ -262,7 +262,7 @@ def _telegrams(best: Kind, good: Mapping[Kind, int]) -> str:
     return f"{said}; read {', '.join(fewer)}" if fewer else said
 
 
-class Transfers(Protocol):
+class AnyTransfers(Protocol):
     """The transfers in a file."""
 
     warning: str  # after the last one: what could not be read
@@ -274,12 +274,12 @@ class Transfers(Protocol):
 class UsbCapture:
     """A Source: the characters of one adapter."""
 
-    def __init__(self, transfers: Transfers, capture: Path, told: Told) -> None:
-        """Find the chosen adapter in the capture. May raise UsageError and TsharkError."""
+    def __init__(self, transfers: AnyTransfers, capture: Path, stated: Stated) -> None:
+        """Find the chosen adapter in the capture. May raise Refusal and TsharkError."""
         self._transfers = transfers
-        self._told = told
-        ports = _ports(self._transfers, told)
-        port = _chosen(ports, capture, told.device, self._transfers.warning)
+        self._stated = stated
+        ports = _ports(self._transfers, stated)
+        port = _chosen(ports, capture, stated.device, self._transfers.warning)
         self._device, self._port, self._kind = port.name.rstrip(_LETTERS), port.name, port.adapter.kind
         assert port.settings
         self.settings = port.settings
@@ -294,7 +294,7 @@ class UsbCapture:
 
     def reads(self) -> Iterator[Read]:
         """Yield all characters. Sent characters leave the adapter after what has come meanwhile."""
-        adapter = Adapter(self._kind, self._told)
+        adapter = UsbAdapter(self._kind, self._stated)
         waiting: list[tuple[int, int, Read]] = []
         number = itertools.count()
 
@@ -323,29 +323,29 @@ def _port_name(transfer: Transfer, kind: Kind) -> str:
     return transfer.device + (_LETTERS[(port - 1) % len(_LETTERS)] if port > 0 else "")
 
 
-def _ports(transfers: Transfers, told: Told) -> list[_Port]:
+def _ports(transfers: AnyTransfers, stated: Stated) -> list[_Port]:
     """Find all ports with characters."""
     devices: dict[str, _Device] = {}
     for transfer in with_requests(transfers):
-        devices.setdefault(transfer.device, _Device(told)).look(transfer)
+        devices.setdefault(transfer.device, _Device(stated)).look(transfer)
     return [port for device in devices.values() for port in device.ports()]
 
 
 def _chosen(ports: list[_Port], capture: Path, device: str | None, warning: str) -> _Port:
     listed = "; ".join(str(port) for port in ports)
     if not ports:
-        raise UsageError(
+        raise Refusal(
             f"{capture} has no characters of a serial adapter that is known, and no good telegrams; "
             + (warning and f"{warning}; ")
             + "begin the capture before the adapter is plugged in, so that it shows what it is"
         )
     if device is None and len(ports) > 1:
-        raise UsageError(f"{capture} has several adapters: choose one with --device: {listed}")
+        raise Refusal(f"{capture} has several adapters: choose one with --device: {listed}")
     meant = [port for port in ports if device in (None, port.name)]
     if not meant:
-        raise UsageError(f"{capture} has no adapter {device} with characters, only {listed}")
+        raise Refusal(f"{capture} has no adapter {device} with characters, only {listed}")
     if len(meant[0].sources) > 1:
-        raise UsageError(f"{meant[0]} has several serial ports, and their characters cannot be told apart")
+        raise Refusal(f"{meant[0]} has several serial ports, and their characters cannot be told apart")
     return meant[0]
 
 

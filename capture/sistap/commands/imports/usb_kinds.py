@@ -13,25 +13,18 @@ from sistap.tap.line.drivers import NOT_REPORTED
 from sistap.tap.line.settings import Flag, LineSettings
 
 
-def _unchanged(setup: Setup, data: bytes, settings: LineSettings) -> LineSettings:  # noqa: ARG001
-    return settings
-
-
-def _only_port(_: object) -> int:
-    return 0
-
-
 class Kind(NamedTuple):
     """A kind of adapter, defined by its differences from one that only transports characters."""
 
     name: str
     vendors: frozenset[int] = frozenset()
     requests: frozenset[tuple[int, int]] = frozenset()  # bmRequestType and bRequest of those that it gets
-    settings_after: Callable[[Setup, bytes, LineSettings], LineSettings] = _unchanged  # line settings after a request
+    # Line settings after a request.
+    settings_after: Callable[[Setup, bytes, LineSettings], LineSettings] = lambda _, __, settings: settings
     transfers: Callable[[], Plain] = Plain  # takes the characters out of them
     notified: Callable[[bytes], Flag] = lambda _: Flag(0)  # errors in an interrupt transfer
-    port_of_endpoint: Callable[[int], int] = _only_port
-    port_of_request: Callable[[Setup], int] = _only_port
+    port_of_endpoint: Callable[[int], int] = lambda _: 0
+    port_of_request: Callable[[Setup], int] = lambda _: 0
     latency_ms: int | None = None  # of its timer; None: it has none
     no_rate: str = "its port was opened before the capture began"  # why a capture may not state the rate
     errors: str = ""  # what is special about its line errors

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.commands.imports.dissected import Rows, nanoseconds
+from sistap.commands.imports.dissected import FieldRows, nanoseconds
 from sistap.commands.imports.source import SENT
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings, Read
@@ -104,7 +104,7 @@ class Transfers:
     """The transfers in a capture."""
 
     def __init__(self, tshark: Tshark, capture: Path) -> None:
-        self._rows = Rows(tshark, capture, _FIELDS, _OPTIONS)
+        self._rows = FieldRows(tshark, capture, _FIELDS, _OPTIONS)
         self.warning = ""  # what tshark said at the end of a capture that is cut off
 
     def __iter__(self) -> Iterator[Transfer]:

@@ -29,7 +29,7 @@ _PERIOD_US, _OLD_PERIOD_US = 4096_000_000, 1 << 32
 _DEVICE, _CONFIGURATION, _INTERFACE = b"\x12\x01", b"\x09\x02", 4  # beginnings of descriptors, and a type
 
 
-class Transfers:
+class UsbmonTransfers:
     """The transfers in a text."""
 
     def __init__(self, path: Path) -> None:

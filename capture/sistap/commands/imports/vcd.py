@@ -8,10 +8,10 @@ from array import array
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from sistap.commands.imports.source import Told, lines
+from sistap.commands.imports.source import Stated, lines
 from sistap.commands.imports.wave import NO_END, Wave
 from sistap.tap.analyser.probe import hertz
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 _UNITS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12, "fs": 10**15}
 _ACQUIRED = re.compile(r"\bat (\d[\d.]* [kMG]?Hz)\b")  # what sigrok says of its samples
@@ -22,13 +22,13 @@ def is_dump(head: str) -> bool:
     return re.match(r"\$(date|version|comment|timescale|scope|var)\b", head) is not None
 
 
-def read(path: Path, told: Told) -> Wave:
-    """Read a dump: its signals of one bit. May raise UsageError."""
+def read(path: Path, stated: Stated) -> Wave:
+    """Read a dump: its signals of one bit. May raise Refusal."""
     words = (word for line in lines(path) for word in line.split())
     try:
         header = _Header(words)
     except (ValueError, OverflowError) as error:
-        raise UsageError(f"{path} is no value change dump that can be read ({error})") from None
+        raise Refusal(f"{path} is no value change dump that can be read ({error})") from None
     edges = {code: array("q") for code in header.names}
     channels = {header.names[code]: signal for code, signal in edges.items()}
     try:

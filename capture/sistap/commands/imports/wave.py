@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.commands.imports.sampled import Row, SampledLine
-from sistap.commands.imports.source import NS, Told
-from sistap.tap.analyser.finding import BAUDS, FORMATS, Line, Reading, find, read_as
+from sistap.commands.imports.source import NS, Stated
+from sistap.tap.analyser.finding import BAUDS, FORMATS, Reading, Trace, find, read_as
 from sistap.tap.analyser.uart import FEWEST_SAMPLES, Uart
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.terminal.advice import shell_word
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 HEAD = 4000  # edges of a channel by which it is judged
 _MOST_CHANNELS = 64  # of an analyser; simulations have more signals
@@ -39,7 +39,7 @@ class _Channel(NamedTuple):
     """A channel that changes, read with the settings of the bus; judged by its beginning."""
 
     name: str
-    head: Line
+    head: Trace
     reading: Reading
     length: int  # counts of a character
 
@@ -85,33 +85,35 @@ class _Channel(NamedTuple):
         return f"channel {self.name} " + ("has few characters" if self.reading.is_clean else "makes no characters")
 
 
-def opened(path: Path, wave: Wave, told: Told) -> SampledLine:
-    """Find the lines of the bus, and their characters. May raise UsageError."""
-    heads = _heads(path, wave, told)
-    settings = _settings(path, wave, heads, told)
+def opened(path: Path, wave: Wave, stated: Stated) -> SampledLine:
+    """Find the lines of the bus, and their characters. May raise Refusal."""
+    heads = _heads(path, wave, stated)
+    settings = _settings(path, wave, heads, stated)
     length = settings.character_ns * wave.rate // NS
     channels = [_Channel(name, head, read_as(head, wave.rate, settings), length) for name, head in heads.items()]
-    lines = channels if told.device else _lines(channels)
+    lines = channels if stated.device else _lines(channels)
     if len(lines) > 2:
         listed = ", ".join(line.name for line in lines)
         first, second, *_ = lines
-        raise UsageError(
+        raise Refusal(
             f"{path} has {len(lines)} channels that can be lines of the bus ({listed}): name those that are, such as "
             f"--device {shell_word(first.name)} or --device {shell_word(f'{first.name},{second.name}')}"
         )
     source = SampledLine(
         path,
         (row for line in lines for row in _rows(wave, line)),
-        told._replace(baud=settings.baud, format=settings.format, samplerate=told.samplerate or wave.samplerate),
+        stated._replace(baud=settings.baud, format=settings.format, samplerate=stated.samplerate or wave.samplerate),
         "the settings change in the file: import it once more with --baud and --format of the other part",
     )
-    given = f"the {'rate' if told.baud else 'format'} as given" if told.baud or told.format else "found by the pulses"
-    how = "as given" if told.baud and told.format else given
+    given = (
+        f"the {'rate' if stated.baud else 'format'} as given" if stated.baud or stated.format else "found by the pulses"
+    )
+    how = "as given" if stated.baud and stated.format else given
     source.warning = source.warning or wave.warning
     is_read, better = any(line.is_read for line in lines), ""
     if not any(line.reading.in_telegrams for line in lines):
         how += ", without a telegram of SIS"
-        better = _better(wave, heads, is_read=is_read) if told.baud or told.format else ""
+        better = _better(wave, heads, is_read=is_read) if stated.baud or stated.format else ""
     source.settings_from = "; ".join([how, *(channel.said(lines) for channel in channels)])
     if better or not is_read:
         source.warning = better or (
@@ -120,42 +122,42 @@ def opened(path: Path, wave: Wave, told: Told) -> SampledLine:
     return source
 
 
-def _heads(path: Path, wave: Wave, told: Told) -> dict[str, Line]:
+def _heads(path: Path, wave: Wave, stated: Stated) -> dict[str, Trace]:
     """Return the beginnings of the channels that are named, else of those that change."""
     names = list(wave.channels)
-    if told.device:
-        names = [told.device] if told.device in wave.channels else told.device.split(",")
+    if stated.device:
+        names = [stated.device] if stated.device in wave.channels else stated.device.split(",")
     if unknown := [name for name in names if name not in wave.channels]:
         listed = ", ".join(wave.channels)
-        raise UsageError(f"{path} has no channel {', '.join(unknown)}: --device names one or two of {listed}")
+        raise Refusal(f"{path} has no channel {', '.join(unknown)}: --device names one or two of {listed}")
     heads = {}
     for name in names:
         edges = wave.channels[name]
         if len(edges) > 1:
-            heads[name] = Line(edges[:HEAD], is_high=False, end=edges[HEAD] if len(edges) > HEAD else wave.end)
+            heads[name] = Trace(edges[:HEAD], is_high=False, end=edges[HEAD] if len(edges) > HEAD else wave.end)
     if not heads:
-        raise UsageError(f"{path} has no channel that changes: nothing was received")
+        raise Refusal(f"{path} has no channel that changes: nothing was received")
     if len(heads) > _MOST_CHANNELS:
-        raise UsageError(f"{path} has {len(heads)} channels that change: name those of the bus with --device")
+        raise Refusal(f"{path} has {len(heads)} channels that change: name those of the bus with --device")
     return heads
 
 
-def _settings(path: Path, wave: Wave, heads: Mapping[str, Line], told: Told) -> LineSettings:
+def _settings(path: Path, wave: Wave, heads: Mapping[str, Trace], stated: Stated) -> LineSettings:
     """Return what is given, and find the rest."""
-    samplerate = told.samplerate or wave.samplerate or wave.rate
-    bauds = [baud for baud in ([told.baud] if told.baud else BAUDS) if baud * FEWEST_SAMPLES <= samplerate]
+    samplerate = stated.samplerate or wave.samplerate or wave.rate
+    bauds = [baud for baud in ([stated.baud] if stated.baud else BAUDS) if baud * FEWEST_SAMPLES <= samplerate]
     if not bauds:
-        raise UsageError(f"{path} has {samplerate} samples a second, too few for {told.baud or BAUDS[0]} Bd")
-    formats = [told.format] if told.format else FORMATS
+        raise Refusal(f"{path} has {samplerate} samples a second, too few for {stated.baud or BAUDS[0]} Bd")
+    formats = [stated.format] if stated.format else FORMATS
     found = [reading for head in heads.values() if (reading := find(head, wave.rate, bauds, formats))]
     if found:
         return max(found, key=lambda reading: reading.score).settings
-    if told.baud:
-        return told.settings
+    if stated.baud:
+        return stated.settings
     if better := _better(wave, heads, is_read=False):
-        raise UsageError(f"{path}: {better}")
+        raise Refusal(f"{path}: {better}")
     listed = ", ".join(f"{name} is a clock" if head.is_clock else name for name, head in heads.items())
-    raise UsageError(
+    raise Refusal(
         f"{path} has no channel with characters at a usual rate ({listed}): if one of them is a line of the bus, add "
         f"--device {shell_word(next(iter(heads)))}, --baud and --format"
     )
@@ -181,7 +183,7 @@ def _rows(wave: Wave, line: _Channel) -> Iterator[Row]:
         yield Row(line.name, Fraction(start, wave.rate) + to_stop, value, flag)
 
 
-def _better(wave: Wave, heads: Mapping[str, Line], *, is_read: bool) -> str:
+def _better(wave: Wave, heads: Mapping[str, Trace], *, is_read: bool) -> str:
     """Return how to import it, if other settings make telegrams of SIS, or if these make no characters at all."""
     for name, head in heads.items():
         if (found := find(head, wave.rate)) and (found.in_telegrams or not is_read):

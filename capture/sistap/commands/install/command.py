@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.commands.install import personal, shell, sources
-from sistap.commands.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.commands.install.ledger import ElsewhereError, Ledger
 from sistap.commands.install.shell import launcher, settings
 from sistap.dissected.wireshark import folders, profile
 from sistap.dissected.wireshark.tshark import (
@@ -29,7 +29,7 @@ from sistap.tap.common.packages import is_bundle
 from sistap.tap.terminal import programs
 from sistap.tap.terminal.advice import advice
 from sistap.tap.terminal.console import Console, visible
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE
+from sistap.tap.terminal.exits import DONE, FAILED
 from sistap.tap.terminal.state import is_root
 from sistap.tap.terminal.stop import held
 
@@ -70,7 +70,7 @@ WINDOWS = os.name == "nt"
 _FOR_ALL = "all users: run as root, it skips what is in personal folders"
 
 
-class File(NamedTuple):
+class InstalledFile(NamedTuple):
     """A file to install."""
 
     target: Path
@@ -80,8 +80,6 @@ class File(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--plugin", metavar="FILE", type=_existing_file, help="install this plugin, sis.so, if it fits")
     which.add_argument("--lua", action="store_true", help="install sis.lua, even if a plugin fits")
@@ -98,10 +96,7 @@ def run(args: argparse.Namespace) -> int:
     console = Console()
     try:
         return _install(args, console)
-    except sources.ModuleError as error:
-        console.say(str(error))
-        return USAGE
-    except (TsharkError, folders.FoldersError, sources.SourceError, LedgerError, RuntimeError, OSError) as error:
+    except (RuntimeError, OSError) as error:
         console.say(str(error))
         return FAILED
 
@@ -139,11 +134,13 @@ def _install(args: argparse.Namespace, console: Console) -> int:
     if foreign:
         _tell(f"kept     {foreign}: Wireshark loads it, and `sistap install` did not put it there")
     else:
-        files.append(_dissector(chosen, places, _working(there), console, replace=args.lua))
+        working = next((Path(found.file) for found in there if not found.file.endswith(".lua")), None)
+        files.append(_dissector(chosen, places, working, console, replace=args.lua))
     where = shell.places(for_all=for_all, windows=WINDOWS)
     files += _for_a_shell(args, where, ledger)
     _bring_up_to_date(ledger, files, _own(named, for_all=for_all))
-    if where.command in ledger.files and not shell.is_on_path(where):
+    on_path = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
+    if where.command in ledger.files and where.command.parent not in on_path:
         console.say(f"{where.command.parent} is not in PATH: {advice().path.format(folder=where.command.parent)}")
     if for_all:
         _warn_of_others_rights(console)
@@ -156,19 +153,19 @@ def _tell(line: str) -> None:
 
 
 def own_folders() -> folders.Own:
-    """Return Wireshark's own folders and those of a shell. Raise TsharkError or folders.FoldersError."""
+    """Return Wireshark's own folders and those of a shell. Raise TsharkError."""
     with Tshark(drop_rights=False) as tshark:
         return _own(tshark.output("-G", "folders"), for_all=is_root())
 
 
 def profiles() -> Path:
-    """Return this user's folder of profiles. Raise TsharkError or folders.FoldersError."""
+    """Return this user's folder of profiles. Raise TsharkError."""
     with Tshark(drop_rights=False) as tshark:
         return folders.parse(tshark.output("-G", "folders"), for_all=False).profiles
 
 
 def _own(named: str, *, for_all: bool) -> folders.Own:
-    """Return all folders into which install puts files. Raise FoldersError."""
+    """Return all folders into which install puts files. Raise TsharkError."""
     return folders.Own(named, for_all=for_all, others=shell.folders(shell.places(for_all=for_all, windows=WINDOWS)))
 
 
@@ -187,14 +184,9 @@ def _foreign(there: list[Loaded], ledger: Ledger) -> str:
     return next((found.file for found in there if Path(found.file).resolve() not in ours), "")
 
 
-def _working(there: list[Loaded]) -> Path | None:
-    """Return the plugin that Wireshark loads."""
-    return next((Path(found.file) for found in there if not found.file.endswith(".lua")), None)
-
-
 def _dissector(
     chosen: sources.Dissector, places: folders.Folders, working: Path | None, console: Console, *, replace: bool
-) -> File:
+) -> InstalledFile:
     """Return the file of the dissector. With `replace`, the script replaces a plugin that works."""
     if working and not chosen.is_module and not replace:
         for note in chosen.notes:
@@ -203,21 +195,21 @@ def _dissector(
             f"kept     {working}: Wireshark loads it, and there is no other plugin for it here; `sistap install "
             "--plugin FILE` takes one, `sistap install --lua` takes sis.lua"
         )
-        return File(working, working.read_bytes())
+        return InstalledFile(working, working.read_bytes())
     for note in chosen.notes:
         console.say(note if chosen.is_module else f"{note}; sis.lua takes its place")
     target = places.plugins / "sis.so" if chosen.is_module else places.lua / "sis.lua"
-    return File(target, chosen.file.read_bytes())
+    return InstalledFile(target, chosen.file.read_bytes())
 
 
-def _others(places: folders.Folders) -> Iterator[File]:
+def _others(places: folders.Folders) -> Iterator[InstalledFile]:
     """Yield all files but the dissector."""
     yield from _launchers(places.extcap, sources.PACKAGE.parent)
     for target, content in personal.files(places.profiles / profile.NAME):
-        yield File(target, content)
+        yield InstalledFile(target, content)
 
 
-def _for_a_shell(args: argparse.Namespace, where: shell.Places, ledger: Ledger) -> Iterator[File]:
+def _for_a_shell(args: argparse.Namespace, where: shell.Places, ledger: Ledger) -> Iterator[InstalledFile]:
     """Yield the command and its completion, unless a shell has a command `sistap` from elsewhere."""
     if is_bundle():  # which has the command
         return
@@ -225,24 +217,24 @@ def _for_a_shell(args: argparse.Namespace, where: shell.Places, ledger: Ledger) 
         _tell(f"kept     {found}: the command sistap is there already, and `sistap install` did not put it there")
         return
     for file, content in shell.files(where, sources.PACKAGE.parent, args.whole_parser(), windows=WINDOWS).items():
-        yield File(file, content, executable=file == where.command)
+        yield InstalledFile(file, content, executable=file == where.command)
 
 
-def _launchers(folder: Path, package_root: Path) -> Iterator[File]:
+def _launchers(folder: Path, package_root: Path) -> Iterator[InstalledFile]:
     """Yield the launchers by which Wireshark starts sistap. On Windows use a program if possible: cmd.exe garbles
     filters.
     """
     text = launcher(sys.executable, package_root, WINDOWS)
     if not WINDOWS:
-        yield File(folder / "sistap", text.encode(), executable=True)
+        yield InstalledFile(folder / "sistap", text.encode(), executable=True)
     elif program := sources.executable():
-        yield File(folder / "sistap.exe", program.read_bytes(), executable=True)
-        yield File(folder / "sistap.cfg", settings(sys.executable, package_root).encode())
+        yield InstalledFile(folder / "sistap.exe", program.read_bytes(), executable=True)
+        yield InstalledFile(folder / "sistap.cfg", settings(sys.executable, package_root).encode())
     else:
-        yield File(folder / "sistap.bat", text.encode(), executable=True)
+        yield InstalledFile(folder / "sistap.bat", text.encode(), executable=True)
 
 
-def _not_there_for_all(files: list[File], for_all: list[File]) -> Iterator[File]:
+def _not_there_for_all(files: list[InstalledFile], for_all: list[InstalledFile]) -> Iterator[InstalledFile]:
     """Leave out what all users have: Wireshark would show each port twice. A user's own profile hides that of all."""
     for file, everybodys in zip(files, for_all, strict=True):
         is_hidden = file.target.parent.name == profile.NAME and file.target.parent.exists()
@@ -252,7 +244,7 @@ def _not_there_for_all(files: list[File], for_all: list[File]) -> Iterator[File]
             yield file
 
 
-def _bring_up_to_date(ledger: Ledger, files: list[File], own: folders.Own) -> None:
+def _bring_up_to_date(ledger: Ledger, files: list[InstalledFile], own: folders.Own) -> None:
     """Put new files; remove what an earlier install put elsewhere (sis.lua, another Wireshark). May raise OSError."""
     lines: list[str] = []
     try:
@@ -267,7 +259,7 @@ def _bring_up_to_date(ledger: Ledger, files: list[File], own: folders.Own) -> No
             _tell(line)
 
 
-def _changes(ledger: Ledger, files: list[File], own: folders.Own) -> Iterator[str]:
+def _changes(ledger: Ledger, files: list[InstalledFile], own: folders.Own) -> Iterator[str]:
     wanted = {file.target for file in files}
     for old in ledger.files:
         if old not in wanted:

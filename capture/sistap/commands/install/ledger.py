@@ -15,10 +15,7 @@ from pathlib import Path
 
 from sistap.dissected.wireshark.folders import Own
 from sistap.tap.terminal import state
-
-
-class LedgerError(Exception):
-    """The list cannot be used; the text is the line to show."""
+from sistap.tap.terminal.exits import FAILED, Refusal
 
 
 class ElsewhereError(Exception):
@@ -29,7 +26,7 @@ class Ledger:
     """The list of the files and folders that were made, for this user, or as root for all users."""
 
     def __init__(self, *, for_all: bool) -> None:
-        """Read the list, if there is one. LedgerError, OSError; RuntimeError if there can be none."""
+        """Read the list, if there is one. Refusal, OSError; RuntimeError if there can be none."""
         name = "installed-for-all.json" if for_all else "installed.json"
         self.path = state.folder() / name
         self._files: dict[str, str] = {}  # path: SHA-256
@@ -48,7 +45,9 @@ class Ledger:
             self._files = {_name(file): str(digest) for file, digest in entries["files"].items()}
             self._folders = [_name(folder) for folder in entries["folders"]]
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-            raise LedgerError(f"{path} is not what `sistap install` writes: delete it, then install again") from None
+            raise Refusal(
+                f"{path} is not what `sistap install` writes: delete it, then install again", FAILED
+            ) from None
 
     @property
     def is_empty(self) -> bool:

@@ -121,8 +121,3 @@ def files(where: Places, package_root: Path, whole: argparse.ArgumentParser, *, 
     if not windows:
         put |= {where.bash: completion.bash(whole).encode(), where.zsh: completion.zsh(whole).encode()}
     return put
-
-
-def is_on_path(where: Places) -> bool:
-    """Tell whether a shell finds the command."""
-    return where.command.parent in [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]

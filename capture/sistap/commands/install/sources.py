@@ -10,6 +10,7 @@ from typing import NamedTuple
 import sistap
 from sistap.dissected.wireshark.profile import NAME
 from sistap.dissected.wireshark.tshark import Version
+from sistap.tap.terminal.exits import FAILED, Refusal
 
 PACKAGE = Path(sistap.__file__).resolve().parent
 
@@ -23,14 +24,6 @@ _BUILD = (
 _VERSION = "sis.version"  # cmake writes it beside the module: the version of Wireshark that this is for
 
 
-class ModuleError(Exception):
-    """It is not known what the file is for; the text is the line to show."""
-
-
-class SourceError(Exception):
-    """Something to install is missing; the text is the line to show."""
-
-
 class Dissector(NamedTuple):
     """The module or the script to install."""
 
@@ -40,11 +33,11 @@ class Dissector(NamedTuple):
 
 
 def lua() -> Path:
-    """Return sis.lua. Raise SourceError."""
+    """Return sis.lua. Raise Refusal."""
     for file in (PACKAGE / "sis.lua", _checkout() / "lua-fallback/sis.lua"):
         if file.is_file():
             return file
-    raise SourceError(f"sis.lua is missing beside {PACKAGE}: install sistap again, or run it from a whole checkout")
+    raise Refusal(f"sis.lua is missing beside {PACKAGE}: install sistap again, or run it from a whole checkout", FAILED)
 
 
 def executable() -> Path | None:
@@ -54,23 +47,23 @@ def executable() -> Path | None:
 
 
 def profile() -> list[Path]:
-    """Return the files of the profile. Raise SourceError."""
+    """Return the files of the profile. Raise Refusal."""
     files = sorted((PACKAGE / "profile" / NAME).glob("*"))
     if not files:
-        raise SourceError(f"the profile is missing in {PACKAGE}: install sistap again")
+        raise Refusal(f"the profile is missing in {PACKAGE}: install sistap again", FAILED)
     return files
 
 
 def dissector(named: Path | None, wireshark: Version) -> Dissector:
     """Choose the module that the user named, else one built here that fits this Wireshark, else sis.lua.
 
-    SourceError if there is none at all; ModuleError if it is not known what the named file is for.
+    Refusal if there is none at all, or if it is not known what the named file is for.
     """
     notes = []
     for file in [named] if named else _built():
         try:
             wanted = _wanted_version(file)
-        except ModuleError as error:
+        except Refusal as error:
             if named:
                 raise
             notes.append(str(error))
@@ -82,12 +75,12 @@ def dissector(named: Path | None, wireshark: Version) -> Dissector:
 
 
 def _wanted_version(module: Path) -> tuple[int, int]:
-    """Return the major and minor version of the Wireshark that a module needs. Raise ModuleError."""
+    """Return the major and minor version of the Wireshark that a module needs. Raise Refusal."""
     try:
         major, minor, *_ = (module.parent / _VERSION).read_text("utf-8").split(".")
         return int(major), int(minor)
     except (OSError, ValueError):
-        raise ModuleError(f"{module} has no {_VERSION} beside it: name one as cmake makes it") from None
+        raise Refusal(f"{module} has no {_VERSION} beside it: name one as cmake makes it") from None
 
 
 def _built() -> Iterator[Path]:

@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 
 from sistap.commands.install import command, personal
-from sistap.commands.install.ledger import ElsewhereError, Ledger, LedgerError
+from sistap.commands.install.ledger import ElsewhereError, Ledger
 from sistap.dissected.wireshark import folders, profile
 from sistap.dissected.wireshark.tshark import TsharkError
 from sistap.tap.line import measurement
@@ -38,17 +38,6 @@ exit status:
 OF_PACKAGE = Path("/usr/share/sistap")
 
 
-def _package() -> str:
-    """Return how to remove what runs, if it is of a package of this system."""
-    return as_typed(advice().package) if Path(__file__).is_relative_to(OF_PACKAGE) else ""
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
-
-
 def run(args: argparse.Namespace) -> int:
     """Remove; print a line for each file; return the exit code."""
     console = Console()
@@ -66,12 +55,12 @@ def run(args: argparse.Namespace) -> int:
         if removed:
             programs.forget()
             measurement.forget()
-        if package := _package():
+        if Path(__file__).is_relative_to(OF_PACKAGE) and (package := as_typed(advice().package)):
             print(package)
-    except (TsharkError, folders.FoldersError) as error:
+    except TsharkError as error:
         console.say(f"nothing is removed, as only tshark knows which folders are Wireshark's: {error}")
         return FAILED
-    except (LedgerError, RuntimeError, OSError) as error:
+    except (RuntimeError, OSError) as error:
         console.say(str(error))
         return FAILED
     return DONE if removed else FAILED
@@ -81,7 +70,7 @@ def _adopt_profile(ledger: Ledger) -> Path | None:
     """Put the user's copy of the profile on the list; return the folder of profiles, if Wireshark is there."""
     try:
         profiles = command.profiles()
-    except (TsharkError, folders.FoldersError):
+    except TsharkError:
         return None  # without it there is nothing to remove, or `_remove` says so
     personal.adopt(ledger, profiles / profile.NAME)
     return profiles

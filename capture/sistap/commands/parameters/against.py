@@ -7,26 +7,26 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from sistap.commands.parameters.backup import Drive, Saved
-from sistap.commands.parameters.reading import Found
+from sistap.commands.parameters.reading import FoundAccess
 from sistap.dissected.accesses.access import Access, Parameter
-from sistap.dissected.accesses.listing import MOST, Place
+from sistap.dissected.accesses.listing import MOST, AccessPlace
 from sistap.dissected.telegrams.values import Unreadable, decoded, encoded, same, without_lengths
-from sistap.dissected.wireshark.rows import NotACapture
 from sistap.tap.sis.telegram import shown
+from sistap.tap.terminal.exits import Refusal
 
 
 class _Last(NamedTuple):
     """The last access that had all data, and the last write before it."""
 
-    place: Place
+    place: AccessPlace
     access: Access
-    written: Found | None
+    written: FoundAccess | None
 
 
-def lines(saved: Sequence[tuple[str, Drive]], accesses: Iterable[Found]) -> Iterator[str]:
+def lines(saved: Sequence[tuple[str, Drive]], accesses: Iterable[FoundAccess]) -> Iterator[str]:
     """Yield a line for each parameter that differs; the drives have their stations, "" is every station.
 
-    Raise NotACapture if nothing was compared: that is not the same as no difference.
+    Raise Refusal if nothing was compared: that is not the same as no difference.
     """
     backups = {station: {one.ident: one for one in drive.parameters} for station, drive in saved}
     found = _last(accesses)
@@ -42,7 +42,7 @@ def lines(saved: Sequence[tuple[str, Drive]], accesses: Iterable[Found]) -> Iter
             differing += 1
             yield _line(parameter, last, backup, shown_now or last.access.value)
     if not compared:
-        raise NotACapture(_why_nothing(backups, found))
+        raise Refusal(_why_nothing(backups, found))
     yield f"{differing} of {len(compared)} parameters of {_stations(compared)} differ from the backup"
 
 
@@ -89,7 +89,7 @@ def _as_saved(backup: Saved, data: bytes) -> str:
     return shown(f"{text}{unit}") if text else ""
 
 
-def _last(accesses: Iterable[Found]) -> dict[Parameter, _Last]:
+def _last(accesses: Iterable[FoundAccess]) -> dict[Parameter, _Last]:
     """Return the last value of each parameter, in bounded memory."""
     found: dict[Parameter, _Last] = {}
     for one in accesses:

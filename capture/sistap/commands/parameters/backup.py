@@ -15,6 +15,7 @@ from typing import NamedTuple
 from sistap.dissected.telegrams.attribute import Attribute
 from sistap.dissected.telegrams.values import Unreadable, encoded
 from sistap.tap.terminal.console import visible
+from sistap.tap.terminal.exits import Refusal
 
 MARK = "SERCOS-ASCII"
 NOTHING = "--"  # in place of a unit, a limit or a value
@@ -33,10 +34,6 @@ _SIGNS = {
     CP850: (re.compile(rb"[\xf8\xfd]|\xfc(?![a-z])"), re.compile(rb"[\x84\x94\x81\x8e\x99\x9a]")),
     LATIN_1: (re.compile(rb"[\xb0\xb2\xb3]"), re.compile(rb"[\xe4\xf6\xdf\xc4\xd6\xdc]")),
 }
-
-
-class Damaged(Exception):
-    """A backup cannot be read; the text is the line to show."""
 
 
 class Saved(NamedTuple):
@@ -71,7 +68,7 @@ def is_station(text: str) -> bool:
 
 
 def drives(path: Path, unreadable: Callable[[str], None] | None = None) -> list[Drive]:
-    """Read a backup. Raise Damaged.
+    """Read a backup. Raise Refusal.
 
     A value that cannot be read is damage, too. Or, if someone wants to know of such values (`unreadable`), it is None.
     """
@@ -80,7 +77,7 @@ def drives(path: Path, unreadable: Callable[[str], None] | None = None) -> list[
     text = content.decode(encoding)
     reader = _Reader(path, text, encoding, unreadable)
     if not text.startswith(MARK):
-        raise Damaged(f"{path} is no backup: its first line is not {MARK}; save the parameters as .par with IndraWorks")
+        raise Refusal(f"{path} is no backup: its first line is not {MARK}; save the parameters as .par with IndraWorks")
     found = []
     while reader.has_more:
         found.append(_drive(reader))
@@ -98,10 +95,10 @@ def _content(path: Path) -> bytes:
     try:
         about = path.stat()
         if not stat.S_ISREG(about.st_mode) or about.st_size > _LARGEST:  # a pipe would wait, a device never end
-            raise Damaged(f"{path} is not a file, or larger than {_LARGEST >> 20} MB: name a backup of a drive")
+            raise Refusal(f"{path} is not a file, or larger than {_LARGEST >> 20} MB: name a backup of a drive")
         return path.read_bytes()
     except OSError as error:
-        raise Damaged(f"cannot read {path}: {error.strerror}; name a backup of a drive") from None
+        raise Refusal(f"cannot read {path}: {error.strerror}; name a backup of a drive") from None
 
 
 class _Reader:
@@ -149,15 +146,15 @@ class _Reader:
             lines.append(self.take("value"))
         return lines
 
-    def damaged(self, why: str, back: int = 0) -> Damaged:
+    def damaged(self, why: str, back: int = 0) -> Refusal:
         """Return the error of this line, or of one before it."""
-        return Damaged(f"{self._told(why, back)}; save the backup again")
+        return Refusal(f"{self._told(why, back)}; save the backup again")
 
     def unreadable(self, why: str, back: int) -> None:
-        """Tell of a value that cannot be read. Raise Damaged if nobody wants to know."""
+        """Tell of a value that cannot be read. Raise Refusal if nobody wants to know."""
         told = self._told(why, back)
         if self._unreadable is None:
-            raise Damaged(f"{told}; save the backup again, or delete this parameter from a copy of it")
+            raise Refusal(f"{told}; save the backup again, or delete this parameter from a copy of it")
         self._unreadable(told)
 
     def _told(self, why: str, back: int) -> str:

@@ -7,16 +7,15 @@ import argparse
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from sistap.commands.parameters import against, user_table, wide, writing
-from sistap.commands.parameters.backup import LATIN_1, Damaged, Drive, drives, is_station
-from sistap.commands.parameters.reading import Found, found
+from sistap.commands.parameters import against, wide, writing
+from sistap.commands.parameters.backup import LATIN_1, Drive, drives, is_station
+from sistap.commands.parameters.reading import FoundAccess, found
 from sistap.dissected.accesses.listing import MOST, Listing
 from sistap.dissected.captures.joining import check_captures
-from sistap.dissected.wireshark.rows import NotACapture
-from sistap.dissected.wireshark.tshark import Tshark, TsharkError
-from sistap.tap.common.writing import Incomplete, NotOpened, opened
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.common.writing import opened
 from sistap.tap.terminal.console import Console
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError
+from sistap.tap.terminal.exits import DONE, Refusal
 from sistap.tap.terminal.writing import FORCE
 
 DESCRIPTION = """\
@@ -59,8 +58,6 @@ exit status:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("captures", metavar="CAPTURE", type=Path, nargs="*", help="a capture that contains SIS")
     parser.add_argument("--from", dest="backup", metavar="PAR", type=Path, help="make Wireshark's table from a backup")
     parser.add_argument("--against", metavar="PAR", type=Path, help="list what differs from a backup, instead")
@@ -77,18 +74,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the list or the changes; return the exit code."""
     console = Console()
-    try:
-        _check(args, console)
-        if args.backup:
-            _write_table(args, console)
-        else:
-            _write_accesses(args, console)
-    except (UsageError, NotACapture, NotOpened, Damaged) as error:
-        console.say(str(error))
-        return USAGE
-    except (Incomplete, TsharkError) as error:
-        console.say(str(error))
-        return FAILED
+    _check(args, console)
+    if args.backup:
+        _write_table(args, console)
+    else:
+        _write_accesses(args, console)
     return DONE
 
 
@@ -96,7 +86,7 @@ def _write_table(args: argparse.Namespace, console: Console) -> None:
     unreadable: list[str] = []
     saved = _stations(args, drives(args.backup, unreadable.append), console)
     with opened(args.output, [args.backup], force=args.force) as file:
-        file.writelines(f"{line}\n".encode() for station, drive in saved for line in user_table.lines(drive, station))
+        file.writelines(f"{line}\n".encode() for station, drive in saved for line in writing.user_table(drive, station))
     if unreadable:
         more = f", and so are {len(unreadable) - 1} more values" if len(unreadable) > 1 else ""
         console.say(f"{unreadable[0]}{more}; the table is complete, because it needs no values")
@@ -114,7 +104,7 @@ def _write_accesses(args: argparse.Namespace, console: Console) -> None:
 
 
 def _stations(args: argparse.Namespace, found_drives: Sequence[Drive], console: Console) -> Sequence[tuple[str, Drive]]:
-    """Return the drives of a backup with their stations; "" is every station. Raise NotACapture."""
+    """Return the drives of a backup with their stations; "" is every station. Raise Refusal."""
     if found_drives[0].encoding != LATIN_1:
         console.say(f"{args.backup or args.against}: its units and texts are read as {found_drives[0].encoding}")
     if len(found_drives) == 1:
@@ -122,23 +112,23 @@ def _stations(args: argparse.Namespace, found_drives: Sequence[Drive], console: 
     several = [(drive.address, drive) for drive in found_drives if args.station in (None, drive.address)]
     if not several:
         addresses = ", ".join(drive.address for drive in found_drives)
-        raise NotACapture(f"{args.backup or args.against} has no drive {args.station}: --station is one of {addresses}")
+        raise Refusal(f"{args.backup or args.against} has no drive {args.station}: --station is one of {addresses}")
     return several
 
 
 def _check_usage(args: argparse.Namespace) -> None:
     if args.wide and (args.changes or not args.csv):
-        raise NotACapture("--wide belongs to --csv, without --changes")
+        raise Refusal("--wide belongs to --csv, without --changes")
     if args.backup and (args.captures or args.against or args.changes or args.csv):
-        raise NotACapture("--from makes a table from a backup: leave out captures and other options")
+        raise Refusal("--from makes a table from a backup: leave out captures and other options")
     if not args.backup and not args.captures:
-        raise NotACapture("name a capture, or a backup with --from")
+        raise Refusal("name a capture, or a backup with --from")
     if args.against and (args.changes or args.csv):
-        raise NotACapture("--against has an output of its own: leave out --changes and --csv")
+        raise Refusal("--against has an output of its own: leave out --changes and --csv")
     if args.station is not None and not (args.backup or args.against):
-        raise NotACapture("--station belongs to --from or --against")
+        raise Refusal("--station belongs to --from or --against")
     if args.station is not None and not is_station(args.station):
-        raise NotACapture("--station is an address from 0 to 255, behind routers such as 3/2/8")
+        raise Refusal("--station is an address from 0 to 255, behind routers such as 3/2/8")
 
 
 def _check(args: argparse.Namespace, console: Console) -> None:
@@ -146,11 +136,11 @@ def _check(args: argparse.Namespace, console: Console) -> None:
     args.captures = check_captures(args.captures, console.say, args.output)
 
 
-def _lines(args: argparse.Namespace, accesses: Iterable[Found], console: Console) -> Iterator[str]:
+def _lines(args: argparse.Namespace, accesses: Iterable[FoundAccess], console: Console) -> Iterator[str]:
     listing = Listing()
     several_files = len(args.captures) > 1
     if args.changes and args.csv:
-        yield writing.csv_head_of_changes()
+        yield writing.csv_line(writing.CSV_CHANGES)
     for place, access in accesses:
         change = listing.add(place, access)
         if change and args.changes:

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.dissected.accesses.access import FIELD, Access, accesses
-from sistap.dissected.accesses.listing import Place
+from sistap.dissected.accesses.listing import AccessPlace
 from sistap.dissected.captures.joining import Joined, together
 from sistap.dissected.captures.portions import portions
 from sistap.dissected.wireshark import rows
-from sistap.dissected.wireshark.rows import damage
+from sistap.dissected.wireshark.trouble import damage
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.terminal.console import visible
 
@@ -24,21 +24,21 @@ _NO_FIELD = (
 )
 
 
-class Found(NamedTuple):
+class FoundAccess(NamedTuple):
     """An access, and its place."""
 
-    place: Place
+    place: AccessPlace
     access: Access
 
 
-def found(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None]) -> Iterator[Found]:
-    """Yield all accesses up to a damage, which is reported. Raise NotACapture or TsharkError."""
+def found(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None]) -> Iterator[FoundAccess]:
+    """Yield all accesses up to a damage, which is reported. Raise Refusal."""
     for portion in portions(captures, _TOGETHER):
         with together(portion, say) as joined:
             yield from _of_capture(tshark, joined, say)
 
 
-def _of_capture(tshark: Tshark, joined: Joined, say: Callable[[str], None]) -> Iterator[Found]:
+def _of_capture(tshark: Tshark, joined: Joined, say: Callable[[str], None]) -> Iterator[FoundAccess]:
     came = False
     # The second pass knows attributes that were read after values. The filter gives a script the fields that it needs.
     passes = ["-2", "-R", "frame"]
@@ -47,9 +47,9 @@ def _of_capture(tshark: Tshark, joined: Joined, say: Callable[[str], None]) -> I
             came = True
             columns = rows.columns(_COLUMNS, line)
             capture, number = joined.place(int(columns["frame.number"]))
-            place = Place(visible(capture.name), number, float(columns["frame.time_epoch"] or 0))
+            place = AccessPlace(visible(capture.name), number, float(columns["frame.time_epoch"] or 0))
             for access in accesses(columns):
-                yield Found(place, access)
+                yield FoundAccess(place, access)
     except TsharkError as error:
         if FIELD in str(error):
             raise TsharkError(_NO_FIELD) from None

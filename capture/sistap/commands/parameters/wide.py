@@ -6,7 +6,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterable, Iterator
 
-from sistap.commands.parameters.reading import Found
+from sistap.commands.parameters.reading import FoundAccess
 from sistap.commands.parameters.writing import csv_line, time_text
 from sistap.dissected.accesses.access import Access, Parameter
 
@@ -20,7 +20,7 @@ class _Values:
         self._times_s, self._columns = array("d"), array("I")
         self._values: list[float | str] = []
 
-    def add(self, found: Found) -> None:
+    def add(self, found: FoundAccess) -> None:
         """Take an accepted access."""
         access = found.access
         value = access.plain
@@ -45,7 +45,7 @@ class _Values:
             yield csv_line((time_text(before_s), *row))
 
 
-def lines(accesses: Iterable[Found]) -> Iterator[str]:
+def lines(accesses: Iterable[FoundAccess]) -> Iterator[str]:
     """Yield the lines of CSV. There are none if no value was read or written."""
     values = _Values()
     for found in accesses:

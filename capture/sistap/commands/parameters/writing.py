@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The list of parameters, and changes, as lines of text for people and of CSV for programs."""
+"""The list of parameters, and changes, as lines of text for people and of CSV for programs; and Wireshark's table."""
 
 from __future__ import annotations
 
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
+from sistap.commands.parameters.backup import Drive, Saved
 from sistap.dissected.accesses.access import Parameter
-from sistap.dissected.accesses.listing import Change, Listed
+from sistap.dissected.accesses.listing import ChangedValue, Listed
+from sistap.dissected.telegrams.values import shown_limit
 from sistap.tap.common.calendar import local
+from sistap.tap.common.table import aligned
+from sistap.tap.sis.telegram import shown
 
 _UNKNOWN = "unknown"
 _LIST_HEADS = (
@@ -23,7 +27,7 @@ _CSV_LIST = (
     *("first", "last", "least", "greatest", "written_by", "written_in_packet", "written_in_file", "written_at"),
     "bytes",
 )
-_CSV_CHANGES = (
+CSV_CHANGES = (
     *("time", "master", "port", "station", "device", "parameter"),
     *("name", "unit", "from", "to", "packet", "file"),
 )
@@ -41,9 +45,8 @@ def list_as_text(listing: Iterable[Listed], *, several_files: bool) -> Iterator[
     left_out = {0} if len({row[0] for row in rows}) == 1 else set()
     left_out |= set() if several_files else {_LIST_HEADS.index("File")}
     left_out |= set() if any(one.raw and one.least for one in found) else {_LIST_HEADS.index("Bytes")}
-    yield from _aligned(
-        [[text for column, text in enumerate(row) if column not in left_out] for row in (_LIST_HEADS, *rows)]
-    )
+    shown = [[text for column, text in enumerate(row) if column not in left_out] for row in (_LIST_HEADS, *rows)]
+    yield from aligned(shown, right=_NUMBERS)
 
 
 def _row(listed: Listed) -> tuple[str, ...]:
@@ -58,16 +61,6 @@ def _row(listed: Listed) -> tuple[str, ...]:
         str(place.packet) if place else "",
         place.file if place else "",
     )
-
-
-def _aligned(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = [
-            text.rjust(width) if head in _NUMBERS else text.ljust(width)
-            for head, text, width in zip(rows[0], row, widths, strict=True)
-        ]
-        yield "  ".join(cells).rstrip()
 
 
 def list_as_csv(listing: Iterable[Listed]) -> Iterator[str]:
@@ -88,7 +81,7 @@ def list_as_csv(listing: Iterable[Listed]) -> Iterator[str]:
         )
 
 
-def change_as_text(change: Change, *, several_files: bool) -> str:
+def change_as_text(change: ChangedValue, *, several_files: bool) -> str:
     """Return a change as a line: when, who, what, from, to, packet."""
     place, access = change.place, change.access
     name = f" ({access.name})" if access.name else ""
@@ -104,16 +97,11 @@ def _station(parameter: Parameter) -> str:
     return f"{parameter.station} device {parameter.device}"
 
 
-def change_as_csv(change: Change) -> str:
+def change_as_csv(change: ChangedValue) -> str:
     """Return a change as a line of CSV; unknown values are empty."""
     place, access = change.place, change.access
     values = (access.name, access.unit, change.before, access.value, place.packet, place.file)
     return csv_line((time_text(place.epoch_s), access.master, *access.parameter, *values))
-
-
-def csv_head_of_changes() -> str:
-    """Return the first line of the CSV of changes."""
-    return csv_line(_CSV_CHANGES)
 
 
 def csv_line(values: Iterable[object]) -> str:
@@ -133,3 +121,26 @@ def time_text(epoch_s: float, between: str = "T") -> str:
     """Return local time with its zone; empty for 0, the time of a log without times."""
     then = local(epoch_s) if epoch_s else None
     return then.isoformat(between, timespec="microseconds") if then else ""
+
+
+_PLAIN_BYTES = frozenset(range(0x20, 0x7F)) - frozenset(b'"\\')
+
+
+def user_table(drive: Drive, station: str) -> Iterator[str]:
+    """Yield the rows of a drive in Wireshark's table "SIS parameters", its file `sis_parameters`, which the plugin and
+    sis.lua read. An empty station is every station.
+    """
+    for saved in drive.parameters:
+        yield ",".join(map(_user_cell, _user_row(saved, station)))
+
+
+def _user_row(saved: Saved, station: str) -> tuple[str, ...]:
+    kind, set_, number = saved.ident.split("-")
+    limits = (shown_limit(saved.attribute, limit, saved.unit) for limit in (saved.minimum, saved.maximum))
+    attribute = f"0x{saved.attribute.bits:08x}"
+    return (kind, number if set_ == "0" else f"{set_}-{number}", saved.name, saved.unit, attribute, *limits, station)
+
+
+def _user_cell(text: str) -> str:
+    """Quote a text as Wireshark reads it."""
+    return '"' + "".join(chr(byte) if byte in _PLAIN_BYTES else f"\\x{byte:02x}" for byte in shown(text).encode()) + '"'

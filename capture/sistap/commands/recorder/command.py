@@ -12,20 +12,18 @@ from pathlib import Path
 
 from sistap.commands.recorder import retention
 from sistap.commands.recorder.keeper import Around
-from sistap.commands.recorder.reasons import FAULTS, FILTERS, NOTHING
+from sistap.commands.recorder.reasons import FAULTS, FILTERS, NOTHING, judges
 from sistap.commands.recorder.recorder import Recorder, Wanted
-from sistap.commands.recorder.values import Values
-from sistap.commands.recorder.watching import judges
+from sistap.commands.recorder.values import ValueLines
 from sistap.dissected.episodes.live import LIVE
 from sistap.dissected.episodes.options import add_rule
-from sistap.dissected.wireshark.tshark import Tshark, TsharkError
+from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.capture.command import (
     Once,
     add_end_arguments,
     add_line_arguments,
     number,
     options_of,
-    refusing,
     started,
 )
 from sistap.tap.capture.running import Opener
@@ -34,7 +32,7 @@ from sistap.tap.files.pcapng import Interface
 from sistap.tap.files.writer import PcapngWriter
 from sistap.tap.records.counters import Counters
 from sistap.tap.terminal.console import STANDARD_OUTPUT, Audience, Console
-from sistap.tap.terminal.exits import FAILED, UsageError
+from sistap.tap.terminal.exits import Refusal
 
 AROUND_S = 30  # what is kept before and after
 AT_MOST = 100  # files that are kept
@@ -77,8 +75,6 @@ exit status:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add_line_arguments(parser)
     add("-w", dest="folder", action=Once, metavar="FOLDER", help="the folder for the files; it is made if necessary")
@@ -137,28 +133,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Record; return the exit code. May raise PortError."""
+    """Check everything before a port is opened, then record; return the exit code."""
     console = Console()
-    try:
-        return refusing(console, lambda: _record(args, console))
-    except TsharkError as error:
-        console.alarm(str(error))
-        return FAILED
-
-
-def _record(args: argparse.Namespace, console: Console) -> int:
-    """Check everything before a port is opened, then record. UsageError, TsharkError."""
     folder = _folder(args.folder)
     options = options_of(args, str(folder / retention.RING) if args.ring else os.devnull)
     files = options.limits.keep
     if "filesize" in options.autostop and not options.ring:
-        raise UsageError("-a filesize: is for the full ring: add -b duration:SECONDS or -b filesize:KB")
+        raise Refusal("-a filesize: is for the full ring: add -b duration:SECONDS or -b filesize:KB")
     if NOTHING in args.keep and (len(args.keep) > 1 or not (options.ring or args.values)):
         alone = "is for a full ring alone, or --values: add -b duration:SECONDS, leave out other --keep"
-        raise UsageError(f"--keep {NOTHING} {alone}")
+        raise Refusal(f"--keep {NOTHING} {alone}")
     if args.values not in (None, STANDARD_OUTPUT):
-        raise UsageError(f"--values {args.values}: it is - alone, for Telegraf, or `| mosquitto_pub -l ...` behind it")
-    values = Values() if args.values else None
+        raise Refusal(f"--values {args.values}: it is - alone, for Telegraf, or `| mosquitto_pub -l ...` behind it")
+    values = ValueLines() if args.values else None
     with Tshark() as tshark:
         deciding = judges(tshark, args.keep or [FAULTS], args.thresholds, values)
     _make(folder)
@@ -169,7 +156,7 @@ def _record(args: argparse.Namespace, console: Console) -> int:
     return started(replace(options, ring=ring), console, _opener(wanted, values, has_ring=bool(ring)))
 
 
-def _opener(wanted: Wanted, values: Values | None, *, has_ring: bool) -> Opener:
+def _opener(wanted: Wanted, values: ValueLines | None, *, has_ring: bool) -> Opener:
     @contextmanager
     def opened(
         interfaces: Mapping[int, Interface], output: Output, counters: Counters, console: Audience
@@ -187,9 +174,9 @@ def _opener(wanted: Wanted, values: Values | None, *, has_ring: bool) -> Opener:
 
 def _folder(named: str | None) -> Path:
     if named is None or named == STANDARD_OUTPUT:
-        raise UsageError("a recorder needs a folder for its files: say it with -w")
+        raise Refusal("a recorder needs a folder for its files: say it with -w")
     if Path(named).exists() and not Path(named).is_dir():
-        raise UsageError(f"{named} is no folder: a recorder needs one for its files, say another with -w")
+        raise Refusal(f"{named} is no folder: a recorder needs one for its files, say another with -w")
     return Path(named)
 
 
@@ -197,7 +184,7 @@ def _make(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UsageError(f"{folder} cannot be made: {error.strerror}; name another folder with -w") from None
+        raise Refusal(f"{folder} cannot be made: {error.strerror}; name another folder with -w") from None
 
 
 def _seconds(text: str) -> float:

@@ -24,7 +24,7 @@ class Around(NamedTuple):
     after_ns: int
 
 
-class File(Protocol):
+class KeptFile(Protocol):
     """A file that is being written."""
 
     def write(self, block: bytes) -> None:
@@ -38,13 +38,13 @@ class Beginning(NamedTuple):
     """What a file begins with."""
 
     heading: bytes  # section and interfaces
-    known: list[Record]  # what was told before: limits, names, units
+    known: list[Record]  # from before: limits, and telegrams that told names, units
     first_ns: int  # time of its first record
     time_ns: int  # of the reason
     reason: str
 
 
-Begin = Callable[[Beginning], File]
+Begin = Callable[[Beginning], KeptFile]
 
 
 class Keeper:
@@ -59,7 +59,7 @@ class Keeper:
         self._say = say
         self._waiting: deque[Entry] = deque()  # they may precede a record that matters
         self._waiting_bytes = 0
-        self._file: File | None = None
+        self._file: KeptFile | None = None
         self._size = 0  # of the file
         self._reason = ""  # the last one
         self._reasons: dict[str, None] = {}  # all of the file
@@ -128,7 +128,7 @@ class Keeper:
         self._size += len(entry.block)
 
     def _open(self, first_ns: int, time_ns: int) -> None:
-        known = list(self._known.events(first_ns))
+        known = list(self._known.records(first_ns))
         self._file = self._begin(Beginning(self._heading, known, first_ns, time_ns, self._reason))
         self._size = 0
         self._reasons = {self._reason: None}

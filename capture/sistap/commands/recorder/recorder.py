@@ -15,28 +15,34 @@ from functools import partial
 from pathlib import Path
 
 from sistap.commands.recorder import retention
-from sistap.commands.recorder.keeper import Around, Beginning, File, Keeper
+from sistap.commands.recorder.keeper import Around, Beginning, Keeper, KeptFile
 from sistap.commands.recorder.notifier import Notifier
-from sistap.commands.recorder.packing import pack
-from sistap.commands.recorder.reasons import Reason
-from sistap.commands.recorder.unlimited import Unlimited
-from sistap.commands.recorder.watching import Judge
-from sistap.dissected.explain.relay import Entry, Judged, Relay, Seams
+from sistap.commands.recorder.reasons import Judge, Reason
+from sistap.commands.recorder.retention import pack
+from sistap.dissected.explain.relay import Entry, JudgedEntry, Relay, Seams
 from sistap.dissected.explain.running import Running
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files.output import Output, OutputError, OutputRefused
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.files.writer import Blocks, PcapngWriter
 from sistap.tap.line import priority
-from sistap.tap.records.before import heard
+from sistap.tap.records.before import Heard, heard
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import KEPT, Event, Record
+from sistap.tap.sis import telegram
+from sistap.tap.sis.initialization import INITIALIZATION, SET_LIMITS, certain
+from sistap.tap.sis.limits import NAMES
 
 PATIENCE_S = 30.0  # at the end, for tshark
 MOST_WAITING = 200_000  # records; above this, the disk does not answer
 _TURN_S = 0.05  # pause of the thread, in which records gather
 _TURN = 20  # records at a time; then a reader can have its turn
 _TIDY_S = 60.0  # interval between looks at the files of the full ring
+_ENOUGH = 100  # telegrams; a master that starts the bus sets its limits earlier
+_NO_LIMIT = (
+    "No limit is known: late reactions and slow characters are not kept. The master set the limits before. "
+    "If you know them, give --tza MS --trs MS"
+)
 
 
 @dataclass(frozen=True)
@@ -82,13 +88,13 @@ class Recorder:
         self._left_out = 0
         self._tidy_s = 0.0  # time of the next look
         self._trouble = ""
-        self.disk_trouble, self._not_packed, self._untidy = _Told(say), _Told(say), _Told(say)
+        self.disk_trouble, self._not_packed, self._untidy = _TroubleOnce(say), _TroubleOnce(say), _TroubleOnce(say)
         self.kept = 0  # files
         self.relays = [
             Relay(partial(self._start, judge), judge.columns, say, finds=judge.finds, seams=seams)
             for judge in wanted.judges
         ]
-        self._judged: list[deque[Judged]] = [deque() for _ in self.relays]  # what not all have judged
+        self._judged: list[deque[JudgedEntry]] = [deque() for _ in self.relays]  # what not all have judged
         self._thread: threading.Thread | None = None
 
     def summary(self, counters: Counters) -> str:
@@ -205,14 +211,14 @@ class Recorder:
         time.sleep(_TURN_S if self._queue.empty() else 0)
         return True
 
-    def _keep_all(self, more: Iterable[Iterable[Judged]]) -> None:
+    def _keep_all(self, more: Iterable[Iterable[JudgedEntry]]) -> None:
         """Keep what all have judged by now."""
         for waiting, judged in zip(self._judged, more, strict=True):
             waiting.extend(judged)
         while self._judged and all(self._judged):
             self._keep([waiting.popleft() for waiting in self._judged])
 
-    def _keep(self, same: Sequence[Judged]) -> None:
+    def _keep(self, same: Sequence[JudgedEntry]) -> None:
         """Keep a block if one of the judges has a reason; the first one counts."""
         told = [judge.reason(judged) for judge, judged in zip(self._wanted.judges, same, strict=True)]
         reason = next(filter(None, told), Reason(""))
@@ -227,7 +233,7 @@ class Recorder:
     def _start(self, judge: Judge, token: bytes | None) -> Running:
         return Running(self._tshark, judge.arguments(token))
 
-    def _begin(self, beginning: Beginning) -> File:
+    def _begin(self, beginning: Beginning) -> KeptFile:
         time_ns = beginning.time_ns
         path = retention.new_name(self._wanted.folder, time_ns, beginning.reason)
         self._newest = path.name
@@ -235,7 +241,7 @@ class Recorder:
         why = f"{KEPT}{beginning.reason} at {when}.{time_ns // 1_000_000 % 1000:03d}"
         started = [self._again(record, beginning, why) for record in self._started]
         packets = b"".join(map(self._blocks.packet, [*started, *beginning.known]))
-        return _File(self, path, time_ns, beginning.heading + packets)
+        return _RecorderFile(self, path, time_ns, beginning.heading + packets)
 
     def _again(self, started: Record, beginning: Beginning, why: str) -> Record:
         settings = beginning.known[-1].settings if beginning.known else started.settings
@@ -276,7 +282,7 @@ class Recorder:
             self._untidy.tell(self._wanted.folder, f": {error.strerror}; nothing can be kept there until it is back")
 
 
-class _Told:
+class _TroubleOnce:
     """Trouble with files that is reported once until it ends, although the next file has another name."""
 
     def __init__(self, say: Callable[[str], None]) -> None:
@@ -292,7 +298,7 @@ class _Told:
         self._told = ""
 
 
-class _File:
+class _RecorderFile:
     """A file of the recorder. Write errors are reported, and the data left out."""
 
     def __init__(self, recorder: Recorder, path: Path, time_ns: int, beginning: bytes) -> None:
@@ -332,3 +338,34 @@ class _File:
             with suppress(OSError):
                 self._path = self._path.rename(retention.new_name(self._path.parent, self._time_ns, *reasons))
         self._recorder.complete(self._path)
+
+
+class Unlimited:
+    """Looks for a limit in the first telegrams of a capture, and says once that there is none: without it, nothing is
+    late, and no file of it is kept.
+    """
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        """`say` gets the advice."""
+        self._say = say
+        self._left = _ENOUGH  # telegrams to look at; 0: nothing more to say
+
+    def take(self, heard: Heard) -> None:
+        """Take what a record says of its bus."""
+        if not self._left:
+            return
+        if heard.limits or (heard.telegram and _sets_limit(heard.telegram)):
+            self._left = 0
+        elif heard.telegram:
+            self._left -= 1
+            if not self._left:
+                self._say(_NO_LIMIT)
+
+
+def _sets_limit(data: bytes) -> bool:
+    header = telegram.parse(data)
+    return (
+        header.service == INITIALIZATION
+        and not header.reaction
+        and any(SET_LIMITS.get(setting.subservice) in NAMES.values() for setting in certain(header.body))
+    )

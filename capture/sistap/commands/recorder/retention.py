@@ -1,18 +1,24 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The files in the folder of a recorder: their names and their number, including those of earlier runs."""
+"""The files in the folder of a recorder, including those of earlier runs: names, number, compression."""
 
 from __future__ import annotations
 
+import errno
+import gzip
 import os
 import re
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
+from shutil import disk_usage
 
-from sistap.commands.recorder.packing import SUFFIX
+from sistap.tap.terminal.writing import mode_like
 
 RING = "ring.pcapng"  # output names the files: ring_00001_20261122031204.pcapng
+SUFFIX = ".gz"  # of a compressed file
+_PIECE = 1 << 16
+_PAUSE_S = 0.001  # after each piece a reader can have its turn
 
 _KEPT_NAME = re.compile(r"kept_(\d{14}\.\d{3})_([\w.-]+?)(?:-\d+)?\.pcapng(?:\.gz)?", re.ASCII)
 _RING_NAME = re.compile(r"ring_\d{5}_(\d{14})\.pcapng(?:\.gz)?", re.ASCII)
@@ -107,3 +113,32 @@ def new_name(folder: Path, time_ns: int, *words: str) -> Path:
         number += 1
         path = folder / f"{base}-{number}.pcapng"
     return path
+
+
+def pack(path: Path) -> Path:
+    """Compress a file; return its new name. May raise OSError: then it is there as it was.
+
+    A file is written without compression, so that it has all records whatever happens to the recorder. It is compressed
+    as a whole when it is complete: 3 times smaller if times are exact to 1 ns, 12 times if they are exact to 1 ms.
+    The disk must have room for it a second time: the last room is for what is being written.
+    """
+    if disk_usage(path.parent).free < path.stat().st_size:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    packed = path.with_name(path.name + SUFFIX)
+    part = path.with_name(f".{packed.name}")
+    part.unlink(missing_ok=True)  # of a recorder that was killed
+    try:
+        mode = mode_like([path])  # from the first moment on: who has opened it goes on reading it
+        with path.open("rb") as source, open(part, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:
+            with gzip.GzipFile(path.name, "wb", 6, file) as target:
+                while piece := source.read(_PIECE):
+                    target.write(piece)
+                    time.sleep(_PAUSE_S)
+            file.flush()
+            os.fsync(file.fileno())
+        part.replace(packed)
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise
+    path.unlink(missing_ok=True)
+    return packed

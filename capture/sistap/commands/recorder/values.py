@@ -57,14 +57,10 @@ def line(value: Value) -> str:
     return f"{','.join(['sis', *told])} {','.join(said)} {value.time_ns}"
 
 
-def _to_standard_output(data: bytes) -> int:
-    return os.write(1, data)
-
-
-class Values:
+class ValueLines:
     """Values on their way out, from `start` to `close`, in a thread of their own."""
 
-    def __init__(self, write: Callable[[bytes], int] = _to_standard_output) -> None:
+    def __init__(self, write: Callable[[bytes], int] = lambda data: os.write(1, data)) -> None:
         """Begin with none; `write` takes bytes, and returns how many it took."""
         self._take = write
         self._say: Callable[[str], object] = str

@@ -14,20 +14,16 @@ from sistap.commands.report import plain, windows
 from sistap.commands.report.gather import Report, gather, learned
 from sistap.commands.report.page import page
 from sistap.commands.report.plots import drawings
-from sistap.commands.report.windows import Window
 from sistap.dissected.captures import portions, since
 from sistap.dissected.captures.joining import check_captures, in_order
-from sistap.dissected.captures.reading import NotCaptured
-from sistap.dissected.captures.since import Since
 from sistap.dissected.draw.svg import stacked
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.options import add_rule
-from sistap.dissected.wireshark.rows import NotACapture
-from sistap.dissected.wireshark.tshark import Tshark, TsharkError
-from sistap.tap.common.writing import Incomplete, NotOpened, opened
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.common.writing import opened
 from sistap.tap.sis.limits import milliseconds
 from sistap.tap.terminal.console import STANDARD_OUTPUT, Console, visible
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError, argument
+from sistap.tap.terminal.exits import DONE, Refusal, argument
 from sistap.tap.terminal.writing import FORCE
 
 DESCRIPTION = """\
@@ -57,7 +53,7 @@ exit status:
 """
 
 
-class Format(NamedTuple):
+class OutputFormat(NamedTuple):
     """A way to write a report."""
 
     write: Callable[[Report, str, str], bytes]  # report, title, note
@@ -66,28 +62,14 @@ class Format(NamedTuple):
 
 
 FORMATS = {
-    "html": Format(lambda report, title, note: page(report, title, note).encode()),
-    "svg": Format(lambda report, title, note: stacked(report.name, drawings(report)).encode()),
-    "json": Format(lambda report, title, note: plain.as_json(report).encode(), is_file=False),
-    "text": Format(
+    "html": OutputFormat(lambda report, title, note: page(report, title, note).encode()),
+    "svg": OutputFormat(lambda report, title, note: stacked(report.name, drawings(report)).encode()),
+    "json": OutputFormat(lambda report, title, note: plain.as_json(report).encode(), is_file=False),
+    "text": OutputFormat(
         lambda report, title, note: plain.as_text(report, title, note).encode(), is_file=False, has_windows=False
     ),
 }
 _ENDINGS = {"htm": "html", "txt": "text"} | {name: name for name in FORMATS}
-
-
-def _window(text: str) -> Window:
-    try:
-        return windows.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def _since(text: str) -> Since:
-    try:
-        return since.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _heading(text: str) -> str:
@@ -97,8 +79,6 @@ def _heading(text: str) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument(
         "captures",
         metavar="CAPTURE",
@@ -131,7 +111,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--since",
         metavar="TIME",
-        type=_since,
+        type=argument(since.parse),
         help="tell what happened from TIME on: 06:00, a date, or so long before the end of the last CAPTURE: 30m, 8h, "
         "2d; what came before only says what is usual",
     )
@@ -162,7 +142,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--window",
         metavar="START+SECONDS",
-        type=_window,
+        type=argument(windows.parse),
         action="append",
         default=[],
         help="show these seconds in full detail, from START on; can be given several times",
@@ -172,18 +152,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the report; return the exit code."""
     console = Console()
-    try:
-        name = _format(args)
-        left_out = _Noting(console)
-        args.captures = check_captures(args.captures, left_out, args.output)
-        args.baseline = check_captures(args.baseline, left_out, args.output) if args.baseline else []
-        _write(args, name, console, left_out)
-    except (UsageError, NotACapture, NotCaptured, NotOpened) as error:
-        console.say(str(error))
-        return USAGE
-    except (Incomplete, TsharkError) as error:
-        console.say(str(error))
-        return FAILED
+    name = _format(args)
+    left_out = _Noting(console)
+    args.captures = check_captures(args.captures, left_out, args.output)
+    args.baseline = check_captures(args.baseline, left_out, args.output) if args.baseline else []
+    _write(args, name, console, left_out)
     return DONE
 
 
@@ -194,7 +167,7 @@ def _format(args: argparse.Namespace) -> str:
         return "html"
     ending = Path(args.output).suffix.lstrip(".").lower()
     if ending not in _ENDINGS:
-        raise UsageError(f"'{args.output}' does not say what to write: end it in .html, or use --format")
+        raise Refusal(f"'{args.output}' does not say what to write: end it in .html, or use --format")
     return _ENDINGS[ending]
 
 
@@ -211,21 +184,19 @@ class _Noting:
 
 
 def _gather(args: argparse.Namespace, console: Console, left_out: _Noting, *, has_windows: bool) -> Report:
-    progress = console.progress if console.shows_progress else _silent
     limits_ms = {name: value for name, value in (("tza", args.tza), ("trs", args.trs)) if value}
     captures, since_s = in_order(args.captures), -math.inf
     if args.since:
         captures, since_s = since.recent(captures, args.since)
     several = f"{len(captures)} files, {captures[0].name} to {captures[-1].name}"
     name = several if len(captures) > 1 else captures[0].name
-    progress(f"reading {name}")
+    console.progress(f"reading {name}")
     with Tshark() as tshark, closing(portions.in_turn(captures, portions.TOGETHER, left_out)) as files:
         before = _before(args, tshark, left_out)
         known = limits_ms, since_s, args.thresholds, before
-        report = gather(tshark, files, args.window, progress, *known, has_windows=has_windows)
+        report = gather(tshark, files, args.window, console.progress, *known, has_windows=has_windows)
     report.name, report.files, report.left_out = visible(name), len(captures), left_out.noted
-    if console.shows_progress:
-        console.progress("")
+    console.progress("")
     if report.warning:
         console.say(f"{captures[0]}: the report is of what comes before the damage: {report.warning}")
     return report
@@ -237,10 +208,6 @@ def _before(args: argparse.Namespace, tshark: Tshark, left_out: _Noting) -> Engi
         return None
     with closing(portions.in_turn(in_order(args.baseline), portions.TOGETHER, left_out)) as files:
         return learned(tshark, files, args.thresholds)
-
-
-def _silent(text: str) -> None:
-    """Show no progress."""
 
 
 def _write(args: argparse.Namespace, name: str, console: Console, left_out: _Noting) -> None:

@@ -16,7 +16,7 @@ _VISIBLE = 0.02  # and this part of the whole time
 
 
 @dataclass
-class Point:
+class CurvePoint:
     """A value, or several that came soon after one another. Times in s since the first packet."""
 
     begin_s: float
@@ -27,7 +27,7 @@ class Point:
     greatest: float
     is_written: bool  # any of them
 
-    def join(self, other: Point) -> None:
+    def join(self, other: CurvePoint) -> None:
         """Take in the one after it."""
         self.end_s, self.last = other.end_s, other.last
         self.least, self.greatest = min(self.least, other.least), max(self.greatest, other.greatest)
@@ -39,7 +39,7 @@ class Curve:
 
     def __init__(self) -> None:
         """Begin with none."""
-        self.points: list[Point] = []
+        self.points: list[CurvePoint] = []
         self.count = 0  # of values
         self.writes = 0
         self._width_s = 0.0  # of a slot, the values of which are joined
@@ -48,23 +48,23 @@ class Curve:
         """Add a value."""
         self.count += 1
         self.writes += is_written
-        self._put(self.points, Point(time_s, time_s, number, number, number, number, is_written))
+        self._put(self.points, CurvePoint(time_s, time_s, number, number, number, number, is_written))
         while len(self.points) > MOST_POINTS:
             self._widen()
 
-    def _put(self, points: list[Point], point: Point) -> None:
+    def _put(self, points: list[CurvePoint], point: CurvePoint) -> None:
         if points and self._width_s and self._slot(points[-1]) == self._slot(point):
             points[-1].join(point)
         else:
             points.append(point)
 
-    def _slot(self, point: Point) -> int:
+    def _slot(self, point: CurvePoint) -> int:
         return int(point.begin_s / self._width_s)  # around 0 both signs: times may go back, and it has to end
 
     def _widen(self) -> None:
         span_s = abs(self.points[-1].begin_s - self.points[0].begin_s)
         self._width_s = max(self._width_s * 2, 2 * span_s / MOST_POINTS, 1e-9)
-        joined: list[Point] = []
+        joined: list[CurvePoint] = []
         for point in self.points:
             self._put(joined, point)
         self.points = joined
@@ -74,7 +74,7 @@ class Curve:
         """Whether the value was not the same all the time."""
         return min(point.least for point in self.points) < max(point.greatest for point in self.points)
 
-    def pieces(self, duration_s: float) -> Iterator[list[Point]]:
+    def pieces(self, duration_s: float) -> Iterator[list[CurvePoint]]:
         """Yield the points between which no long time was without a value; `duration_s` is that of the capture."""
         pauses = [after.begin_s - before.end_s for before, after in zip(self.points, self.points[1:], strict=False)]
         long_s = max(_LONG * statistics.median(pauses), _VISIBLE * duration_s) if pauses else 0.0

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from sistap.commands.report.curves import Curves
 from sistap.commands.report.pauses import Pauses
-from sistap.dissected.accesses.listing import Listing, Place
+from sistap.dissected.accesses.listing import AccessPlace, Listing
 from sistap.dissected.packets.dissection import LOST, Judged, Packet, Telegram
 from sistap.dissected.packets.distribution import Distribution, Slices
 from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
@@ -38,7 +38,7 @@ class Limit:
 
 
 @dataclass
-class Service:
+class ServiceFigures:
     """The reactions of one service."""
 
     times: Distribution = field(default_factory=Distribution)
@@ -46,7 +46,7 @@ class Service:
 
 
 @dataclass
-class Station:
+class StationFigures:
     """What a station did, by the addresses of good telegrams: those of a damaged one may be anybody's."""
 
     commands: int = 0
@@ -60,7 +60,7 @@ class Station:
 
 
 @dataclass
-class Exactness:
+class ExactnessFigures:
     """How exact the times are, in s."""
 
     least_s: float = math.inf
@@ -111,13 +111,13 @@ class Figures:
     interfaces: Counter[str] = field(default_factory=Counter)
     settings: Counter[tuple[int, str]] = field(default_factory=Counter)  # rate and format
     events: list[Packet] = field(default_factory=list)  # the first ones
-    exactness: Exactness = field(default_factory=Exactness)
+    exactness: ExactnessFigures = field(default_factory=ExactnessFigures)
     framings: Counter[int] = field(default_factory=Counter)  # frames that are no SIS telegrams, by framing
     frame_intervals: Distribution = field(default_factory=Distribution)  # inside those
     silences: Silences = field(default_factory=Silences)
     limits: dict[str, Limit] = field(default_factory=lambda: {name: Limit() for name in ("tza", "trs", "tmas")})
-    services: defaultdict[int, Service] = field(default_factory=lambda: defaultdict(Service))
-    stations: defaultdict[int, Station] = field(default_factory=lambda: defaultdict(Station))
+    services: defaultdict[int, ServiceFigures] = field(default_factory=lambda: defaultdict(ServiceFigures))
+    stations: defaultdict[int, StationFigures] = field(default_factory=lambda: defaultdict(StationFigures))
     faults: Counter[str] = field(default_factory=Counter)  # telegrams and records that have each
     slices: Slices = field(default_factory=Slices)
     parameters: Listing = field(default_factory=Listing)
@@ -136,7 +136,7 @@ class Figures:
         if packet.type == EVENT and len(self.events) < EVENTS_KEPT:
             self.events.append(packet)
         for access in packet.accesses:
-            self.parameters.add(Place("", packet.number, packet.epoch_s), access)
+            self.parameters.add(AccessPlace("", packet.number, packet.epoch_s), access)
             self.curves.add(packet.time_s, access)
         number = int(packet.time_s / self.slices.width_s)
         if number != self._slice or self._waiting == TOGETHER:

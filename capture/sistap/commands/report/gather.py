@@ -11,11 +11,11 @@ from types import MappingProxyType
 from sistap.commands.report import windows
 from sistap.commands.report.figures import Figures
 from sistap.commands.report.unjudged import unjudged
-from sistap.commands.report.windows import Window
+from sistap.commands.report.windows import ReportWindow
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode
-from sistap.dissected.episodes.lines import Line, lines
+from sistap.dissected.episodes.lines import AnswerLine, lines
 from sistap.dissected.episodes.rules import THRESHOLDS, Thresholds
 from sistap.dissected.packets.dissection import Dissection
 from sistap.dissected.wireshark.tshark import Tshark
@@ -30,7 +30,7 @@ class Report:
 
     figures: Figures
     episodes: list[Episode]  # the worst first
-    windows: list[Window]
+    windows: list[ReportWindow]
     missing: list[str]  # fields that the installed dissector does not know
     warning: str  # what tshark said of a capture that is cut
     limits_ms: Mapping[str, int]  # tza and trs, where the person who asks tells them
@@ -40,7 +40,7 @@ class Report:
     left_out: list[str] = field(default_factory=list)  # files, or parts of them, that could not be read
 
     @property
-    def answer(self) -> list[Line]:
+    def answer(self) -> list[AnswerLine]:
         """Return the five lines that say what happened."""
         begin_s = self.figures.first_epoch_s or 0.0
         end_s = begin_s + self.figures.duration_s
@@ -48,7 +48,7 @@ class Report:
 
 
 def learned(tshark: Tshark, captures: Iterable[Portion], thresholds: Thresholds) -> Engine:
-    """Return what knows a good capture. NotACapture, TsharkError."""
+    """Return what knows a good capture. Refusal."""
     engine = Engine(thresholds=thresholds)
     with Dissection(tshark, captures, keeps=False) as dissection, uncollected():
         for packet in dissection.packets():
@@ -59,7 +59,7 @@ def learned(tshark: Tshark, captures: Iterable[Portion], thresholds: Thresholds)
 def gather(  # noqa: PLR0913 - each comes from another part
     tshark: Tshark,
     captures: Iterable[Portion],
-    asked: Sequence[Window],
+    asked: Sequence[ReportWindow],
     progress: Callable[[str], None],
     limits_ms: Mapping[str, int] = MappingProxyType({}),
     since_s: float = -math.inf,
@@ -72,7 +72,7 @@ def gather(  # noqa: PLR0913 - each comes from another part
     came before `since_s` only tells what is usual, and so does the engine `before` of a good capture. Without windows,
     nothing is kept for them.
 
-    NotACapture, TsharkError, Incomplete.
+    Refusal.
     """
     figures, engine = Figures(), Engine(before, thresholds, since_s)
     preferences = {f"sis.{name}_ms": value for name, value in limits_ms.items()}

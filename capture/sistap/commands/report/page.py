@@ -10,7 +10,7 @@ from html import escape
 import sistap
 from sistap.commands.report import curved, plots, tables
 from sistap.commands.report.gather import Report
-from sistap.commands.report.tables import Table
+from sistap.commands.report.tables import ReportTable
 from sistap.dissected.accesses.listing import Listed
 from sistap.dissected.draw import html
 from sistap.dissected.draw.panel import COLOURS, Drawing
@@ -139,7 +139,7 @@ def page(report: Report, title: str = "", note: str = "") -> str:
         _remarks(tables.remarks(report)),
         _table(tables.episodes(report), "Each filter finds its packets: paste it into Wireshark's filter line."),
         _table(tables.summary(report)),
-        _overview(report),
+        _figure(plots.overview(report), "overview", _OVERVIEW),
         _table(tables.faults(report)),
         _table(tables.verdicts(report)),
         _table(tables.pauses(report), _PAUSES),
@@ -192,7 +192,7 @@ def _remarks(remarks: list[str]) -> str:
     return f'<ul class="remarks">{items}</ul>' if items else ""
 
 
-def _table(table: Table, note: str = "") -> str:
+def _table(table: ReportTable, note: str = "") -> str:
     if not table.rows:
         return ""
     heads = "".join(f'<th scope="col">{escape(head)}</th>' for head in table.heads)
@@ -206,7 +206,7 @@ def _table(table: Table, note: str = "") -> str:
     return f"<h2>{escape(table.title)}</h2>{text}<div>{choice}{body}</div>"
 
 
-def _names(table: Table, row: int) -> str:
+def _names(table: ReportTable, row: int) -> str:
     """Write by what a row is found, and by what it is hidden."""
     name = f" id={table.anchor}{row}" if table.anchor else ""
     return f'{name} class="{table.kinds[row]}"' if table.kinds else name
@@ -221,7 +221,7 @@ def _choice(kinds: Sequence[str]) -> str:
     )
 
 
-def _cells(table: Table, row: int) -> list[str]:
+def _cells(table: ReportTable, row: int) -> list[str]:
     cells = []
     for column, text in enumerate(table.rows[row]):
         words = f"<code>{escape(text)}</code>" if column == table.code else escape(text)
@@ -243,10 +243,6 @@ def _figure(drawing: Drawing | None, name: str, text: str) -> str:
 
 def _svg(drawing: Drawing, name: str) -> str:
     return svg(drawing, name).replace("<svg ", f'<svg aria-label="{escape(drawing.title)}" ', 1)
-
-
-def _overview(report: Report) -> str:
-    return _figure(plots.overview(report), "overview", _OVERVIEW)
 
 
 def _windows(report: Report) -> str:

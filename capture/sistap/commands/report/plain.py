@@ -8,17 +8,18 @@ import textwrap
 from typing import Any
 
 from sistap.commands.report import tables
-from sistap.commands.report.figures import Figures, Limit, Station
+from sistap.commands.report.figures import Figures, Limit, StationFigures
 from sistap.commands.report.gather import Report
 from sistap.commands.report.pauses import Pause, Talker
 from sistap.commands.report.unjudged import unjudged
-from sistap.commands.report.windows import Window
+from sistap.commands.report.windows import ReportWindow
 from sistap.dissected.accesses.listing import Listed
 from sistap.dissected.episodes.lines import things
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import EXCEEDED, OK, UNRESOLVED, Packet
 from sistap.dissected.packets.distribution import Distribution
 from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
+from sistap.tap.common.table import aligned
 from sistap.tap.sis.faults import FAULTS
 from sistap.tap.sis.telegram import service_name
 
@@ -49,14 +50,12 @@ def as_text(report: Report, title: str = "", note: str = "") -> str:
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _table(table: tables.Table) -> str:
+def _table(table: tables.ReportTable) -> str:
     if not table.rows:
         return ""
     rows = [table.heads, *table.rows] if table.heads else table.rows
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     note = [textwrap.fill(table.note, WIDTH)] if table.note else []
-    return "\n".join([table.title, "-" * len(table.title), *note, *lines])
+    return "\n".join([table.title, "-" * len(table.title), *note, *aligned(rows)])
 
 
 def as_json(report: Report) -> str:
@@ -187,7 +186,7 @@ def _pause(talker: Talker, pause: Pause) -> dict[str, Any]:
     }
 
 
-def _station(address: int, station: Station) -> dict[str, Any]:
+def _station(address: int, station: StationFigures) -> dict[str, Any]:
     return {
         "station": address,
         "commands": station.commands,
@@ -213,7 +212,7 @@ def _parameter(listed: Listed) -> dict[str, Any]:
     }
 
 
-def _window(window: Window) -> dict[str, Any]:
+def _window(window: ReportWindow) -> dict[str, Any]:
     return {
         "title": window.title,
         "start_s": window.start_s,

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from sistap.commands.report import curved
-from sistap.commands.report.curves import Curve, Point
+from sistap.commands.report.curves import Curve, CurvePoint
 from sistap.commands.report.gather import Report
-from sistap.commands.report.tables import ANCHOR, EPISODES_SHOWN, before, ms, of_device
-from sistap.commands.report.windows import Window
+from sistap.commands.report.tables import ANCHOR, EPISODES_SHOWN, before, of_device
+from sistap.commands.report.windows import ReportWindow
 from sistap.dissected.accesses.listing import Listed
 from sistap.dissected.draw.panel import (
     Area,
@@ -20,9 +20,9 @@ from sistap.dissected.draw.panel import (
     Bar,
     Dots,
     Drawing,
-    Line,
     Mark,
     Panel,
+    Polyline,
     Strokes,
     Text,
     Tick,
@@ -35,7 +35,9 @@ from sistap.dissected.episodes.episode import Episode
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import EXCEEDED, Packet, Telegram
 from sistap.dissected.packets.distribution import Distribution, Slices
+from sistap.tap.records.record import ms
 from sistap.tap.sis.faults import FAULTS
+from sistap.tap.sis.limits import limit_text
 from sistap.tap.sis.telegram import service_name
 
 _LANES = 12  # the busiest stations and services; more would not be readable
@@ -163,8 +165,8 @@ def intervals(report: Report) -> Drawing | None:
         panel.add(Area(_corners_of([max(count, 0.5) for count in counts], edges), 0.5, "command"))
         for limit_s in limits:
             top = panel.y.high
-            panel.add(Line([(limit_s, 0.5), (limit_s, top)], "bad", _RED_PT, is_dashed=True))
-            panel.add(Text(limit_s, top, f"TzA {limit_s * 1e3:g} ms", "bad", 10, up=-10, right=3))
+            panel.add(Polyline([(limit_s, 0.5), (limit_s, top)], "bad", _RED_PT, is_dashed=True))
+            panel.add(Text(limit_s, top, f"TzA {limit_text(limit_s)}", "bad", 10, up=-10, right=3))
         return [[panel]]
 
     return Drawing("Intervals between characters", _NARROW_IN, 3.2, draw, is_wide=False)
@@ -272,11 +274,11 @@ def _curve(curve: Curve, listed: Listed, duration_s: float) -> Panel:
     marks: list[Mark] = []
     for piece in curve.pieces(duration_s):
         points = [point for found in piece for point in _corners(found)]
-        marks.append(Line(points, "reaction", has_ticks=len(points) <= _FEW))
+        marks.append(Polyline(points, "reaction", has_ticks=len(points) <= _FEW))
     written = [(point.end_s, point.last) for point in curve.points if point.is_written]
     marks.append(Dots(written, "command", 3))
     limits = list(_value_limits(curve, (listed.minimum, listed.maximum)))
-    marks += [Line([(0, limit), (duration_s, limit)], "bad", is_dashed=True) for limit in limits]
+    marks += [Polyline([(0, limit), (duration_s, limit)], "bad", is_dashed=True) for limit in limits]
     found = [value for point in curve.points for value in (point.least, point.greatest)] + limits
     margin = (max(found) - min(found)) * 0.05
     y = linear(min(found) - margin, max(found) + margin, 4)
@@ -301,7 +303,7 @@ def _curve_title(listed: Listed) -> Iterator[str]:
     yield ", ".join(f"at {name} {text}" for name, text in limits.items() if text)
 
 
-def _corners(point: Point) -> list[tuple[float, float]]:
+def _corners(point: CurvePoint) -> list[tuple[float, float]]:
     if point.begin_s == point.end_s:
         return [(point.begin_s, point.last)]
     middle_s = (point.begin_s + point.end_s) / 2
@@ -323,7 +325,7 @@ def _value_limits(curve: Curve, texts: Sequence[str]) -> Iterator[float]:
 _KEY = (("command", "command"), ("reaction", "reaction"), ("other", "other characters"), ("bad", "exceeded or wrong"))
 
 
-def window(shown: Window) -> Drawing | None:
+def window(shown: ReportWindow) -> Drawing | None:
     """A stretch of the bus in full detail: every telegram a bar, every character a stroke."""
     lanes = sorted({_lane(packet) for packet in shown.packets})
     if not lanes:
@@ -334,7 +336,7 @@ def window(shown: Window) -> Drawing | None:
         panel = Panel(x=x, key=_KEY)
         for packet in shown.packets:
             _draw_packet(panel, packet, -lanes.index(_lane(packet)), shown)
-        panel.name_lanes([_lane_name(lane) for lane in lanes])
+        panel.name_lanes(["no station" if lane == _NO_STATION else f"station {lane}" for lane in lanes])
         return [[panel]]
 
     return Drawing(shown.title, _WIDE_IN, 1.3 + 0.6 * len(lanes), draw)
@@ -348,11 +350,7 @@ def _lane(packet: Packet) -> int:
     return _NO_STATION if talker is None else talker
 
 
-def _lane_name(lane: int) -> str:
-    return "no station" if lane == _NO_STATION else f"station {lane}"
-
-
-def _draw_packet(panel: Panel, packet: Packet, base: float, shown: Window) -> None:
+def _draw_packet(panel: Panel, packet: Packet, base: float, shown: ReportWindow) -> None:
     telegram = packet.telegrams[0] if packet.telegrams else None
     times = [(packet.time_s - shown.start_s) * 1e3]
     for interval_s in packet.intervals_s:

@@ -24,10 +24,10 @@ from sistap.dissected.packets.distribution import Distribution
 from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
 from sistap.tap.common.calendar import local
 from sistap.tap.line import drivers
-from sistap.tap.records.record import Event, Framing, interval_text
+from sistap.tap.records.record import Event, Framing, ms
 from sistap.tap.sis import faults as faults_of_sis
 from sistap.tap.sis.faults import FAULTS
-from sistap.tap.sis.limits import NAMES, told
+from sistap.tap.sis.limits import NAMES, limit_text, told
 from sistap.tap.sis.telegram import service_name
 
 _FRAMINGS = {
@@ -68,7 +68,7 @@ _LIMITS = {
 }
 
 
-class Table(NamedTuple):
+class ReportTable(NamedTuple):
     """A heading, the heads of its columns (none: the first column is the head of its row), and rows of text."""
 
     title: str
@@ -81,19 +81,9 @@ class Table(NamedTuple):
     note: str = ""  # stands between the heading and the rows
 
 
-def ms(time_s: float) -> str:
-    """Write a time as the dissector writes it."""
-    return interval_text(round(time_s * 1e9))
-
-
 def _measured(time_s: float | None, times: Distribution) -> str:
     """Write a figure of some times. There is none if all came in one read, or the clock was set back."""
     return "not measured" if time_s is None or not times.count else ms(time_s)
-
-
-def ms_short(time_s: float) -> str:
-    """Write a limit, which is a whole number of ms."""
-    return f"{time_s * 1e3:g} ms"
 
 
 def answer(report: Report) -> list[str]:
@@ -113,7 +103,7 @@ def legend(report: Report) -> str:
     return "; ".join([*zone, *words]) + "." if zone or words else ""
 
 
-def episodes(report: Report) -> Table:
+def episodes(report: Report) -> ReportTable:
     """All episodes, the worst first."""
     begin_s = report.figures.first_epoch_s or 0.0
     time_of_day = clock_of(begin_s, begin_s + report.figures.duration_s, most_s=DAY_S)
@@ -142,7 +132,7 @@ def episodes(report: Report) -> Table:
         for parameter, place in curved.places(report).items()
         for row in curved.happened(report, parameter)
     }
-    return Table(title, heads, rows, code=9, anchor=ANCHOR, links=links, kinds=kinds)
+    return ReportTable(title, heads, rows, code=9, anchor=ANCHOR, links=links, kinds=kinds)
 
 
 def _duration(time_s: float) -> str:
@@ -153,7 +143,7 @@ def _duration(time_s: float) -> str:
     return f"{minutes} min" if time_s < _HOURS_S else f"{minutes // 60} h {minutes % 60} min"
 
 
-def summary(report: Report) -> Table:
+def summary(report: Report) -> ReportTable:
     """What was captured, and how exact the clock was."""
     figures = report.figures
     damaged = figures.telegrams - figures.good
@@ -167,11 +157,13 @@ def summary(report: Report) -> Table:
         ("Telegrams", f"{figures.telegrams}, {damaged} of them with a wrong checksum or none"),
         ("Uncertainty of the times", _uncertainty(figures)),
         ("In the same read", _same_read(figures)),
-        (f"Silences above {ms_short(SILENCE_S)}", str(figures.silences.long)),
+        (f"Silences above {limit_text(SILENCE_S)}", str(figures.silences.long)),
     ]
-    if figures.frame_intervals.count:
-        rows.append(("Intervals in other frames", _frame_intervals(figures.frame_intervals)))
-    return Table("What was captured", (), rows)
+    if (times := figures.frame_intervals).count:  # that are no SIS telegrams
+        half, most = ms(times.within_s(0.5)), ms(times.longest_s)
+        text = f"{times.count}, from character to character: half within {half}, the longest {most}"
+        rows.append(("Intervals in other frames", text))
+    return ReportTable("What was captured", (), rows)
 
 
 def _date(epoch_s: float | None) -> str:
@@ -204,12 +196,6 @@ def _framing(number: int) -> str:
     return _FRAMINGS.get(number, f"frames of framing {number}")
 
 
-def _frame_intervals(times: Distribution) -> str:
-    """Write those in frames that are no SIS telegrams."""
-    half, most = ms(times.within_s(0.5)), ms(times.longest_s)
-    return f"{times.count}, from character to character: half within {half}, the longest {most}"
-
-
 def _uncertainty(figures: Figures) -> str:
     clock = figures.exactness
     if not figures.records[FRAME] + figures.records[OTHER]:
@@ -225,7 +211,7 @@ def _same_read(figures: Figures) -> str:
     return f"{same_read} of {figures.pauses.count} intervals in telegrams: their length is not known"
 
 
-def events(report: Report) -> Table:
+def events(report: Report) -> ReportTable:
     """What the tap itself had to say."""
     left_out = report.figures.records[EVENT] - len(report.figures.events)
     title = "Events of the tap" + (f" (and {left_out} times more)" if left_out else "")
@@ -239,7 +225,7 @@ def events(report: Report) -> Table:
         )
         for packet in report.figures.events
     ]
-    return Table(title, ("Packet", "Second", "Clock", "Event", "Text"), rows)
+    return ReportTable(title, ("Packet", "Second", "Clock", "Event", "Text"), rows)
 
 
 def _event(code: int | None) -> str:
@@ -247,7 +233,7 @@ def _event(code: int | None) -> str:
     return known.get(code or 0, f"Event {code}")
 
 
-def verdicts(report: Report) -> Table:
+def verdicts(report: Report) -> ReportTable:
     """How the times that the bus limits were judged."""
     rows = []
     for name, (title, field) in _LIMITS.items():
@@ -255,7 +241,7 @@ def verdicts(report: Report) -> Table:
         counts = [_count(limit, verdict) for verdict in (OK, EXCEEDED, UNRESOLVED)]
         rows.append((title, limits(limit), *counts, str(limit.verdicts[None]), f"{field} == {EXCEEDED}"))
     heads = ("Limit", "Value", "Kept", "Exceeded", "Unresolved", "No limit known", "Filter for the exceeded")
-    return Table("Verdicts", heads, rows, code=6, note=_unresolved(report.figures))
+    return ReportTable("Verdicts", heads, rows, code=6, note=_unresolved(report.figures))
 
 
 def _unresolved(figures: Figures) -> str:
@@ -278,10 +264,10 @@ def _count(limit: Limit, verdict: int) -> str:
 
 def limits(limit: Limit) -> str:
     """Write the limits that held."""
-    return ", ".join(map(ms_short, sorted(limit.limits_s))) or "not known"
+    return ", ".join(map(limit_text, sorted(limit.limits_s))) or "not known"
 
 
-def pauses(report: Report) -> Table:
+def pauses(report: Report) -> ReportTable:
     """Which TzA each talker would keep."""
     rows = []
     for (station, baud), one in sorted(report.figures.pauses.talkers.items()):
@@ -304,7 +290,7 @@ def pauses(report: Report) -> Table:
     heads = ("Talker", "Rate", "Telegrams", "Longest interval", "Before character", "With its uncertainty")
     safe = ("Smallest safe TzA", "If only the pause counts")
     more = ("Share of TzA", *safe, "Longer ones (95 % sure)", "Unresolved")
-    return Table("TzA: intervals by talker", (*heads, *more), rows)
+    return ReportTable("TzA: intervals by talker", (*heads, *more), rows)
 
 
 def _decided(one: Pause) -> str:
@@ -320,7 +306,7 @@ def _decided(one: Pause) -> str:
     return f"{one.unresolved}; {', '.join(parts)}"
 
 
-def places(report: Report) -> Table:
+def places(report: Report) -> ReportTable:
     """Where in a telegram the intervals are long."""
     rows = [
         (
@@ -332,7 +318,7 @@ def places(report: Report) -> Table:
         )
         for place, one in sorted(report.figures.pauses.places.items())
     ]
-    return Table(
+    return ReportTable(
         "TzA: intervals by place", ("Before character", "Intervals", "Average", "99 % within", "Longest"), rows
     )
 
@@ -342,7 +328,7 @@ def before(place: int) -> str:
     return f"{place}{' and later' * (place == MOST_PLACES)}"
 
 
-def faults(report: Report) -> Table:
+def faults(report: Report) -> ReportTable:
     """What was found, and the display filter that finds all of it."""
     counts = report.figures.faults
     rows = [
@@ -353,10 +339,10 @@ def faults(report: Report) -> Table:
         "many commands."
     )
     heads = ("What", "How often", "Display filter for all of them", "What to do")
-    return Table("Faults", heads, rows, code=2, note=note)
+    return ReportTable("Faults", heads, rows, code=2, note=note)
 
 
-def services(report: Report) -> Table:
+def services(report: Report) -> ReportTable:
     """Reaction times by service."""
     rows = []
     for number, service in sorted(report.figures.services.items()):
@@ -367,10 +353,10 @@ def services(report: Report) -> Table:
         judged = [_count(service.trs, verdict) for verdict in (EXCEEDED, UNRESOLVED)]
         rows.append((name, str(times.count), *cells, limits(service.trs), *judged))
     heads = ("Service", "Reactions", "Shortest", "Average", "Half within", "99 % within", "Longest")
-    return Table("Reaction times by service", (*heads, "TrS", "Exceeded", "Unresolved"), rows)
+    return ReportTable("Reaction times by service", (*heads, "TrS", "Exceeded", "Unresolved"), rows)
 
 
-def stations(report: Report) -> Table:
+def stations(report: Report) -> ReportTable:
     """A row for each station that spoke or was asked."""
     rows = []
     for address, station in sorted(report.figures.stations.items()):
@@ -384,10 +370,10 @@ def stations(report: Report) -> Table:
         rows.append((str(address), *map(str, counts), *shown, pause, *exceeded))
     heads = ("Station", "Commands", "Reactions", "With an error", "Sent again", "Not answered")
     times_heads = ("Half of its reactions within", "Slowest reaction", "Longest interval in a telegram")
-    return Table("Stations", (*heads, *times_heads, "TrS exceeded", "TzA exceeded"), rows)
+    return ReportTable("Stations", (*heads, *times_heads, "TrS exceeded", "TzA exceeded"), rows)
 
 
-def parameters(report: Report) -> Table:
+def parameters(report: Report) -> ReportTable:
     """A row for each parameter that was read or written."""
     listing = report.figures.parameters
     left_out = max(len(listing) - PARAMETERS_SHOWN, 0)
@@ -397,7 +383,7 @@ def parameters(report: Report) -> Table:
     heads = ("Parameter", "Device", "Name", "Unit", "Reads", "Writes", "Errors", "First", "Last", "Least", "Greatest")
     places = curved.places(report)
     links = {(row, 0): places[listed.parameter] for row, listed in enumerate(listing) if listed.parameter in places}
-    return Table(title, (*heads, "Written by", "In packet"), rows, links=links)
+    return ReportTable(title, (*heads, "Written by", "In packet"), rows, links=links)
 
 
 def _parameter(listed: Listed, *, has_port: bool) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ _LONGEST_PACKET_S = 5.0  # a packet that reaches into a window can begin this mu
 
 
 @dataclass
-class Window:
+class ReportWindow:
     """From `start_s` to `end_s`, in s since the first packet."""
 
     title: str
@@ -44,7 +44,7 @@ class Window:
         return self.start_s <= start_s and end_s <= self.end_s
 
 
-def parse(text: str) -> Window:
+def parse(text: str) -> ReportWindow:
     """Read START+SECONDS. ValueError says what is wrong."""
     start, _, length = text.partition("+")
     try:
@@ -53,16 +53,16 @@ def parse(text: str) -> Window:
         start_s = length_s = math.nan
     if not (0 <= start_s < _LATEST_S and 0 < length_s < _LATEST_S):
         raise ValueError(f"'{text}' is not START+SECONDS, for example 12.5+0.2")
-    return Window(f"Asked for: {length_s:g} s from {start_s:g} s", start_s, start_s + length_s)
+    return ReportWindow(f"Asked for: {length_s:g} s from {start_s:g} s", start_s, start_s + length_s)
 
 
-def around(episodes: Iterable[Episode], first_epoch_s: float, shown: Sequence[Window]) -> list[Window]:
+def around(episodes: Iterable[Episode], first_epoch_s: float, shown: Sequence[ReportWindow]) -> list[ReportWindow]:
     """Make windows around the worst of each kind that is about single telegrams, unless a window shows it already."""
     worst: dict[str, Episode] = {}
     for one in episodes:
         if one.rule.subject == Subject.LIMITS and one.kind != "clock":
             worst[one.kind] = max(worst.get(one.kind, one), one, key=_badness)
-    made: list[Window] = []
+    made: list[ReportWindow] = []
     for one in sorted(worst.values(), key=lambda one: (-one.severity, _ORDER[one.kind])):
         waited_s = one.hit.worst or 0.0 if one.kind == "late" else 0.0
         start_s, end_s = one.hit.from_s - first_epoch_s - waited_s, one.hit.to_s - first_epoch_s
@@ -70,7 +70,7 @@ def around(episodes: Iterable[Episode], first_epoch_s: float, shown: Sequence[Wi
             continue
         margin_s = max((end_s - start_s) / 2, _LEAST_MARGIN_S)
         made.append(
-            Window(f"Packet {one.hit.packet}: {one.rule.title}", max(start_s - margin_s, 0.0), end_s + margin_s)
+            ReportWindow(f"Packet {one.hit.packet}: {one.rule.title}", max(start_s - margin_s, 0.0), end_s + margin_s)
         )
         if len(made) == WORST_SHOWN:
             break
@@ -84,7 +84,7 @@ def _badness(episode: Episode) -> tuple[int, float]:
 _ORDER = {kind: number for number, kind in enumerate(RULES)}
 
 
-def fill(dissection: Dissection, windows: Sequence[Window]) -> None:
+def fill(dissection: Dissection, windows: Sequence[ReportWindow]) -> None:
     """Read the packets of all windows."""
     spans = [Span(max(window.start_s - _LONGEST_PACKET_S, 0), window.end_s) for window in windows]
     for packet in dissection.again(spans) if windows else ():

@@ -7,15 +7,13 @@ import argparse
 import tempfile
 from pathlib import Path
 
-from sistap.commands.tables.rows import NoSuchTime
 from sistap.dissected.captures.joining import check_captures, in_order
 from sistap.dissected.episodes.options import add_rule
-from sistap.dissected.wireshark.rows import NotACapture
-from sistap.dissected.wireshark.tshark import Tshark, TsharkError
-from sistap.tap.common.packages import NotInstalled, needed
-from sistap.tap.common.writing import Incomplete, make_folder
+from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.common.packages import needed
+from sistap.tap.common.writing import make_folder
 from sistap.tap.terminal.console import Console
-from sistap.tap.terminal.exits import DONE, FAILED, USAGE, UsageError
+from sistap.tap.terminal.exits import DONE, Refusal
 from sistap.tap.terminal.stop import held
 from sistap.tap.terminal.writing import mode_like
 
@@ -45,8 +43,6 @@ exit status:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     parser.add_argument("captures", metavar="CAPTURE", type=Path, nargs="+", help="a capture that contains SIS")
     parser.add_argument(
         "-o",
@@ -63,16 +59,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Put the captures into the tables; return the exit code."""
     console = Console()
-    try:
-        _check(args, console)
-        needed("pyarrow")
-        _put(args, console)
-    except (UsageError, NotACapture) as error:
-        console.say(str(error))
-        return USAGE
-    except (NotInstalled, NoSuchTime, Incomplete, TsharkError) as error:
-        console.say(str(error))
-        return FAILED
+    _check(args, console)
+    needed("pyarrow")
+    _put(args, console)
     return DONE
 
 
@@ -92,4 +81,4 @@ def _check(args: argparse.Namespace, console: Console) -> None:
         make_folder(args.output, mode_like(args.captures))
         tempfile.TemporaryFile(dir=args.output).close()  # not after the work
     except OSError as error:
-        raise UsageError(f"cannot write {args.output}: {error.strerror}; name another folder with -o") from None
+        raise Refusal(f"cannot write {args.output}: {error.strerror}; name another folder with -o") from None

@@ -28,8 +28,7 @@ def put(  # noqa: PLR0913 - each comes from another part
 ) -> None:
     """Add captures to the tables, in the order of their time, and report the results.
 
-    What happened is judged over all of them, so known ones are read again if one is new. Raise NotACapture,
-    TsharkError, Incomplete or NoSuchTime.
+    What happened is judged over all of them, so known ones are read again if one is new. Raise Refusal.
     """
     digests = [_digest(capture, tap) for capture in captures]
     judged = hashlib.blake2b("".join([*digests, str(thresholds)]).encode()).hexdigest()[:32]
@@ -69,7 +68,7 @@ def _told(dissection: Dissection, capture: Path, console: Console) -> Iterator[P
     """Yield all packets, and tell how far it is."""
     for count, packet in enumerate(dissection.packets(), 1):
         yield packet
-        if count % _PROGRESS_EVERY == 0 and console.shows_progress:
+        if count % _PROGRESS_EVERY == 0:
             console.progress(f"{capture}: {count} packets read, {packet.time_s:.0f} s of it")
 
 

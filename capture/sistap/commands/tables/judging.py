@@ -16,7 +16,7 @@ from sistap.dissected.episodes.rules import Thresholds
 from sistap.dissected.packets.dissection import Packet
 
 
-class _Part(NamedTuple):
+class _JudgedCapture(NamedTuple):
     """A capture in a course."""
 
     before: int  # packets before its first one
@@ -30,12 +30,12 @@ class _Course:
     def __init__(self, thresholds: Thresholds) -> None:
         self.ended_s = -math.inf
         self._packets = 0
-        self._parts: list[_Part] = []
+        self._parts: list[_JudgedCapture] = []
         self._engine = Engine(thresholds=thresholds)
 
     def begin(self, file: str, begin_s: float) -> None:
         """Go on with the next capture."""
-        self._parts.append(_Part(self._packets, begin_s, file))
+        self._parts.append(_JudgedCapture(self._packets, begin_s, file))
 
     def add(self, packet: Packet) -> None:
         """Judge a packet of it. From then on, its number counts the packets of all captures."""
@@ -49,7 +49,7 @@ class _Course:
             part = self._part(episode)
             yield of_episode(episode, part.file, episode.packets[0] - part.before if episode.packets else None)
 
-    def _part(self, episode: Episode) -> _Part:
+    def _part(self, episode: Episode) -> _JudgedCapture:
         """Return the capture in which it begins."""
         if episode.packets:
             after = bisect_right(self._parts, episode.packets[0] - 1, key=lambda part: part.before)

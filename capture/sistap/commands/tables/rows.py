@@ -14,6 +14,7 @@ from sistap.dissected.wireshark.rows import EVENT, JOINT, OTHER
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import Event
 from sistap.tap.sis.telegram import service_name
+from sistap.tap.terminal.exits import FAILED, Refusal
 
 # Fields besides those of a Packet.
 FIELDS = ("sis.value", "sis.value.number", "sis.error", "sertap.character")
@@ -31,10 +32,6 @@ _UNKNOWN: tuple[Any, ...] = (None, None, None, None, None, None, None)
 _DESTROYED = (Telegram(False, None, None, None, False, None, False, False, False, False, "", False, *_UNKNOWN),)
 
 
-class NoSuchTime(Exception):
-    """A packet has a time that no table can hold; the text is the line to show."""
-
-
 class Row(NamedTuple):
     """A row, and the table that it belongs to."""
 
@@ -50,7 +47,7 @@ class Rows:
         self._known: dict[tuple[object, int], dict[str, Any]] = {}  # by packets that are alike, and place
 
     def of(self, packet: Packet) -> Iterator[Row]:
-        """Yield the rows of a packet. Raise NoSuchTime."""
+        """Yield the rows of a packet. Raise Refusal."""
         epoch_ns = _epoch_ns(packet)
         for number, telegram in enumerate(packet.telegrams or (_DESTROYED if packet.type == OTHER else ())):
             known = self._known.get((packet.alike, number))
@@ -100,7 +97,7 @@ def _epoch_ns(packet: Packet) -> int:
     seconds, _, decimals = packet.columns["frame.time_epoch"].partition(".")
     time_ns = int(f"{seconds}{decimals:0<9.9}")
     if not -_LARGEST <= time_ns < _LARGEST:
-        raise NoSuchTime(f"packet {packet.number} has a time that no table holds: correct it with editcap -t")
+        raise Refusal(f"packet {packet.number} has a time that no table holds: correct it with editcap -t", FAILED)
     return time_ns
 
 

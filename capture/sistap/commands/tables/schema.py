@@ -11,7 +11,7 @@ from typing import NamedTuple
 import pyarrow as pa
 
 
-class Table(NamedTuple):
+class StoredTable(NamedTuple):
     """A table."""
 
     schema: pa.Schema
@@ -31,7 +31,7 @@ _PLACE = [
 ]
 
 TABLES = {
-    "telegrams": Table(
+    "telegrams": StoredTable(
         pa.schema(
             [
                 *_PLACE,
@@ -69,7 +69,7 @@ TABLES = {
         ),
         ("epoch_ns", "line", "place", "sender", "receiver", "service", "is_reaction"),
     ),
-    "values": Table(
+    "values": StoredTable(
         pa.schema(
             [
                 *_PLACE,
@@ -88,11 +88,11 @@ TABLES = {
         ),
         ("epoch_ns", "line", "place", "station", "route", "device", "parameter", "is_write"),
     ),
-    "events": Table(
+    "events": StoredTable(
         pa.schema([*_PLACE, ("code", pa.int32()), ("event", _TEXT), ("text", pa.string())]),
         ("epoch_ns", "line", "place", "code", "text"),
     ),
-    "episodes": Table(
+    "episodes": StoredTable(
         pa.schema(
             [
                 *_PLACE,

@@ -25,8 +25,9 @@ import pyarrow.parquet as pq
 
 from sistap.commands.tables.rows import Row
 from sistap.commands.tables.schema import TABLES
-from sistap.tap.common.writing import Beside, Incomplete, make_folder
+from sistap.tap.common.writing import Beside, make_folder
 from sistap.tap.terminal.console import visible
+from sistap.tap.terminal.exits import FAILED, Refusal
 from sistap.tap.terminal.stop import held
 from sistap.tap.terminal.writing import mode_like
 
@@ -39,7 +40,7 @@ _EPOCH = date(1970, 1, 1)  # Windows has no time before it
 _LONGEST = 100  # characters of a name that comes from a user
 
 
-class Part(NamedTuple):
+class Partition(NamedTuple):
     """A partition of a table."""
 
     table: str
@@ -67,7 +68,7 @@ class Store:
 
     def put(self, digest: str, capture: Path, tap: str, rows: Iterable[Row], name: str = "") -> int:
         """Add a capture's rows; return how many are new. `name` is for rows of several captures: they replace earlier
-        ones of the same name. Incomplete if there is no room.
+        ones of the same name. Refusal if there is no room.
         """
         incoming = _Incoming(self._root, capture, tap, name)
         try:
@@ -78,9 +79,7 @@ class Store:
             self._write_note(digest, capture, incoming.id, files)
         except OSError as error:
             reason = error.strerror or error
-            raise Incomplete(f"{self._root} is incomplete: {reason}; make room, and run it again") from None
-        except _Strange as strange:
-            raise Incomplete(f"{strange}: move what is none of the tables away, and run it again") from None
+            raise Refusal(f"{self._root} is incomplete: {reason}; make room, and run it again", FAILED) from None
         finally:
             incoming.clear()
         return incoming.count
@@ -108,10 +107,6 @@ class Store:
                 file.unlink()
 
 
-class _Strange(Exception):
-    """A file in the folder is not one of these tables; the text says which one."""
-
-
 class _Incoming:
     """A capture on its way into the folder."""
 
@@ -120,10 +115,10 @@ class _Incoming:
         self._capture = visible(capture.name)
         self._mode = mode_like([capture])
         self._tap = tap
-        self._waiting: defaultdict[Part, list[dict[str, Any]]] = defaultdict(list)
+        self._waiting: defaultdict[Partition, list[dict[str, Any]]] = defaultdict(list)
         self._waiting_rows = 0
-        self._writers: dict[Part, tuple[pq.ParquetWriter, BinaryIO]] = {}
-        self._numbers: defaultdict[Part, int] = defaultdict(int)  # files of each partition
+        self._writers: dict[Partition, tuple[pq.ParquetWriter, BinaryIO]] = {}
+        self._numbers: defaultdict[Partition, int] = defaultdict(int)  # files of each partition
         self._files: list[tuple[Beside, Path]] = []  # new files, and their places
         # It stays the same if the capture grows or is dissected again.
         self.id = _id(f"{name}\0{tap}") if name else ""
@@ -168,7 +163,7 @@ class _Incoming:
         self._waiting.clear()
         self._waiting_rows = 0
 
-    def _unknown(self, part: Part, values: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    def _unknown(self, part: Partition, values: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
         """Yield the rows that no other capture has added to this partition."""
         table = TABLES[part.table]
         files = [str(file) for file in part.folder(self._root).glob("*.parquet") if f"-{self.id}-" not in file.name]
@@ -178,12 +173,13 @@ class _Incoming:
         try:
             known = ds.dataset(files, table.schema).to_table([*table.same], (time >= min(times)) & (time <= max(times)))
         except pa.ArrowInvalid as error:  # it names the file
-            raise _Strange(str(error).partition("\n")[0]) from None
+            strange = str(error).partition("\n")[0]
+            raise Refusal(f"{strange}: move what is none of the tables away, and run it again", FAILED) from None
         there = set(zip(*known.to_pydict().values(), strict=True))
         key = itemgetter(*table.same)
         return (row for row in values if key(row) not in there)
 
-    def _writer(self, part: Part) -> pq.ParquetWriter:
+    def _writer(self, part: Partition) -> pq.ParquetWriter:
         if part not in self._writers:
             if len(self._writers) == _OPEN:
                 self._close(next(iter(self._writers)))
@@ -191,7 +187,7 @@ class _Incoming:
             self._writers[part] = pq.ParquetWriter(file, TABLES[part.table].schema, compression="zstd"), file
         return self._writers[part][0]
 
-    def _file(self, part: Part) -> BinaryIO:
+    def _file(self, part: Partition) -> BinaryIO:
         folder = part.folder(self._root)
         make_folder(folder, self._mode)
         name = f"{slug(Path(self._capture).stem)}-{self.id}-{self._numbers[part]}.parquet"
@@ -201,7 +197,7 @@ class _Incoming:
             self._files.append((new, folder / name))
         return new.file
 
-    def _close(self, part: Part) -> None:
+    def _close(self, part: Partition) -> None:
         writer, file = self._writers.pop(part)
         writer.close()
         file.close()
@@ -212,9 +208,9 @@ def _id(name: str) -> str:
 
 
 @lru_cache
-def _part(table: str, tap: str, day: int) -> Part:
+def _part(table: str, tap: str, day: int) -> Partition:
     """Return the partition of a day, counted from 1970 on."""
-    return Part(table, tap, (_EPOCH + timedelta(days=day)).isoformat())
+    return Partition(table, tap, (_EPOCH + timedelta(days=day)).isoformat())
 
 
 @lru_cache

@@ -18,23 +18,18 @@ file itself, and sistap ends. The address is printed, too.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments: there are none."""
-    parser.description = DESCRIPTION
-
-
 def run(_: argparse.Namespace) -> int:
     """Open the page; return the exit code."""
-    page = pages.found(pages.PAGE)
+    return show(pages.PAGE, "page")
+
+
+def show(name: str, made_by: str) -> int:
+    """Open a page in a browser, where there is a screen for it. Whoever has none sees the address."""
+    page = pages.found(name)
     if page is None:
-        Console().say(f"{pages.PAGE} is not here: `./bootstrap page` in the sources of sistap makes it")
+        Console().say(f"{name} is not here: `./bootstrap {made_by}` in the sources of sistap makes it")
         return FAILED
     print(page.as_uri(), flush=True)
-    show(page.as_uri())
-    return DONE
-
-
-def show(address: str) -> None:
-    """Open a browser, where there is a screen for it. Whoever has none sees the address."""
     if sys.platform in ("win32", "darwin") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
-        webbrowser.open(address)
+        webbrowser.open(page.as_uri())
+    return DONE

@@ -109,7 +109,7 @@ class _Both:
         return None
 
 
-class _Sink:
+class _PageSink:
     """A capture whose blocks the page takes away, and the last records."""
 
     def __init__(self, stream: Stream, interfaces: dict[int, Interface], counters: Counters, system: str) -> None:
@@ -131,8 +131,6 @@ class _Sink:
 
 class _Console:
     """What is said, for the page to show."""
-
-    shows_progress = False
 
     def __init__(self) -> None:
         self.said = ""
@@ -158,11 +156,11 @@ class Listening:
         self._readers = {reader.line: reader for reader in readers}
         self._counters, self._stream, self._console = Counters(), Stream(), _Console()
         interfaces = {reader.line: _interface(reader, is_auto=is_auto) for reader in readers}
-        self._sink = _Sink(self._stream, interfaces, self._counters, wanted["system"])
+        self._sink = _PageSink(self._stream, interfaces, self._counters, wanted["system"])
         formats = FORMATS if is_auto else ()
         conditions = Conditions(formats=formats, follow=True)
-        self._capture = Capture(readers, self._sink, self._stream, self._counters, self._console, conditions)
-        self._capture._source = _Both(readers)  # threads, which it would start, cannot be had
+        told = self._stream, self._counters, self._console, conditions
+        self._capture = Capture(readers, self._sink, *told, source=_Both(readers))  # no threads can be had
         self._capture.begin()
         self._capture.announce()
 

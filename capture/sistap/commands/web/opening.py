@@ -9,19 +9,19 @@ from pathlib import Path
 
 from sistap.commands.annotate import annotating, sources
 from sistap.commands.annotate.annotating import Passage
-from sistap.commands.annotate.cutting import Part
-from sistap.commands.annotate.pattern import PatternReader, TooSlow
-from sistap.commands.annotate.sources import Source, SourceError
+from sistap.commands.annotate.cutting import PiecePart
+from sistap.commands.annotate.pattern import PatternReader
+from sistap.commands.annotate.sources import LogSource
 from sistap.commands.annotate.spool import Spool
 from sistap.commands.annotate.troubles import Troubles
 from sistap.commands.imports.formats import known
 from sistap.commands.parameters import backup
 from sistap.tap.records.cut import SIS
 from sistap.tap.terminal.advice import shell_word
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 
-class Log:
+class OpenedLog:
     """A log that was read."""
 
     def __init__(self, said: list[str], unread: list[str]) -> None:
@@ -30,7 +30,7 @@ class Log:
         self.said = said  # of the whole log
         self.unread = unread  # lines that could not be read, and why
 
-    def add(self, parts: Iterable[Part]) -> None:
+    def add(self, parts: Iterable[PiecePart]) -> None:
         """Note where the bytes of a packet stand."""
         places = []
         for piece, first, end in parts:
@@ -40,14 +40,12 @@ class Log:
 
 
 def is_import(name: str) -> bool:
-    """Tell whether `sistap import` is for this file: of an analyser, or text of usbmon. May raise UsageError."""
+    """Tell whether `sistap import` is for this file: of an analyser, or text of usbmon. May raise Refusal."""
     return known(Path(name)) is not None
 
 
 def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], None]) -> str:
-    """Write a log as a capture; its packets are an event, then the telegrams. Return a Log as JSON. May raise
-    UsageError.
-    """
+    """Write a log as a capture; its packets are an event, then the telegrams. Return an OpenedLog as JSON. Refusal."""
     log = Path(name)
     _refuse_backup(log)
     unread: list[str] = []
@@ -59,30 +57,30 @@ def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], 
             batches = source.lines(SIS, lambda part: progress(part / 2))
             annotating.record(batches, passage, log.name, file.write, spool)
             if not passage.telegrams:
-                raise UsageError(_nothing(log, passage))
+                raise Refusal(_nothing(log, passage))
             troubles.end()
-            found = Log(_remarks(source), unread)
+            found = OpenedLog(_remarks(source), unread)
             for batch in spool.batches(lambda part: progress(0.5 + part / 2)):
                 for line, _, complete in batch:
                     if line:
                         found.lines.append(line.text)
                     for parts in complete:
                         found.add(parts)
-    except (SourceError, TooSlow, ValueError) as error:
-        raise UsageError(str(error)) from None
+    except ValueError as error:
+        raise Refusal(str(error)) from None
     return json.dumps(found.__dict__)
 
 
 def _refuse_backup(log: Path) -> None:
     with log.open("rb") as file:
         if file.read(len(backup.MARK)) == backup.MARK.encode():
-            raise UsageError(
+            raise Refusal(
                 f"{log.name} is a backup of the parameters of a drive, not what was on a line: on a computer with "
                 f"sistap, `sistap parameters CAPTURE --against {shell_word(log.name)}` compares a capture with it"
             )
 
 
-def _remarks(source: Source) -> list[str]:
+def _remarks(source: LogSource) -> list[str]:
     if source.is_raw:
         return ["It is no text: its bytes are read as they are, without times and directions."]
     return [f"bytes: {source.reader.notation}"] if source.reader.notation else []

@@ -15,7 +15,7 @@ MOST = 10_000  # parameters in the list
 _LONG = 32  # digits of a value from which on only its digest is kept
 
 
-class Place(NamedTuple):
+class AccessPlace(NamedTuple):
     """A packet of a capture."""
 
     file: str
@@ -23,10 +23,10 @@ class Place(NamedTuple):
     epoch_s: float
 
 
-class Change(NamedTuple):
+class ChangedValue(NamedTuple):
     """An accepted write that changed something, or may have."""
 
-    place: Place
+    place: AccessPlace
     access: Access
     before: str | None  # the value known from a read or a write; None: unknown
 
@@ -68,9 +68,9 @@ class Listed(Present):
     greatest: Access | None = None
     raw: int = 0  # values that are bytes, so they are not among these
     written_by: int | None = None  # the station that wrote it last
-    written_in: Place | None = None
+    written_in: AccessPlace | None = None
 
-    def add(self, place: Place, access: Access) -> Change | None:
+    def add(self, place: AccessPlace, access: Access) -> ChangedValue | None:
         """Count an access; return the change that it made."""
         self.name = access.name or self.name
         self.unit = access.unit or self.unit
@@ -87,7 +87,7 @@ class Listed(Present):
         if access.value:
             self._add_value(access)
         before = self.value
-        return Change(place, access, before) if self.follow(access) else None
+        return ChangedValue(place, access, before) if self.follow(access) else None
 
     def _add_value(self, access: Access) -> None:
         self.first = self.first or access.value
@@ -109,7 +109,7 @@ class Listing:
         self._listed: dict[Parameter, Listed] = {}
         self.left_out = 0  # accesses to parameters that did not fit
 
-    def add(self, place: Place, access: Access) -> Change | None:
+    def add(self, place: AccessPlace, access: Access) -> ChangedValue | None:
         """Count an access; return the change that it made."""
         listed = self._listed.get(access.parameter)
         if listed is None:

@@ -6,17 +6,16 @@ from __future__ import annotations
 import struct
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 from sistap.dissected.captures import reading
-from sistap.dissected.captures.reading import NotCaptured
 from sistap.tap.common import temporary
 from sistap.tap.common.packed import is_text, making, no_capture
 from sistap.tap.files import pcapng
 from sistap.tap.records.record import KEPT, Event
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import NotCaptured, Refusal
 
 _USB = {186, 189, 220, 249, 266}  # link types (tcpdump.org/linktypes.html): FreeBSD, Linux, Windows, macOS
 
@@ -24,30 +23,30 @@ _USB = {186, 189, 220, 249, 266}  # link types (tcpdump.org/linktypes.html): Fre
 def check_captures(named: Iterable[Path], say: Callable[[str], None], output: str | None = None) -> list[Path]:
     """Return all captures, those of a folder one by one. Say what is left out of a folder because it cannot be read.
 
-    UsageError unless all others can be read, twice, and none is the output.
+    Refusal unless all others can be read, twice, and none is the output.
     """
     captures = [capture for path in named for capture in (_readable(_inside(path), say) if path.is_dir() else [path])]
     for capture in captures:
         if capture.exists() and not capture.is_file():
-            raise UsageError(f"{capture} is not a file: it is read twice, so save the capture first")
+            raise Refusal(f"{capture} is not a file: it is read twice, so save the capture first")
         try:
             _check_contents(capture, say)
         except OSError as error:
-            raise UsageError(f"cannot read {capture}: {error.strerror}; name a capture file") from None
+            raise Refusal(f"cannot read {capture}: {error.strerror}; name a capture file") from None
         if output and Path(output).exists() and capture.samefile(output):
-            raise UsageError(f"{output} is the capture itself; name another file with -o")
+            raise Refusal(f"{output} is the capture itself; name another file with -o")
     return captures
 
 
 def _check_contents(capture: Path, say: Callable[[str], None]) -> None:
-    """Say that a capture is empty. UsageError if it is a text, or of USB alone; OSError."""
+    """Say that a capture is empty. Refusal if it is a text, or of USB alone; OSError."""
     if is_text(capture):
-        raise UsageError(no_capture(capture))
+        raise Refusal(no_capture(capture))
     link_types, has_packets = reading.beginning(capture)
     if not has_packets:
         say(f"{capture} has no packets")
     elif link_types and link_types <= _USB:
-        raise UsageError(f"{capture} has packets of USB alone. First make one of the bus: {making('import', capture)}")
+        raise Refusal(f"{capture} has packets of USB alone. First make one of the bus: {making('import', capture)}")
 
 
 def _inside(folder: Path) -> list[Path]:
@@ -58,7 +57,7 @@ def _inside(folder: Path) -> list[Path]:
     rings = {name for name in names if name.startswith("ring_")}
     found = [folder / name for name in sorted(rings or names)]
     if not found:
-        raise UsageError(f"{folder} has no captures: name one, or another folder")
+        raise Refusal(f"{folder} has no captures: name one, or another folder")
     return found
 
 
@@ -93,7 +92,7 @@ def alone(capture: Path) -> str:
     return f"{capture} cannot be read with others: open it in Wireshark and save it as pcapng"
 
 
-class _Part(NamedTuple):
+class _JoinedCapture(NamedTuple):
     """A capture in a joined one."""
 
     first: int  # number of its first packet
@@ -104,7 +103,7 @@ class Joined(NamedTuple):
     """A file with the packets of one or several captures."""
 
     path: Path
-    parts: Sequence[_Part]
+    parts: Sequence[_JoinedCapture]
 
     def place(self, number: int) -> tuple[Path, int]:
         """Return the capture of a packet, and its number there."""
@@ -118,20 +117,16 @@ class Joined(NamedTuple):
 
 def in_order(captures: Iterable[Path]) -> list[Path]:
     """Sort captures by their first packets. If any has no such time, the order stays."""
-    times = [(begin_ns(capture), capture) for capture in captures]
-    if any(begin_ns is None for begin_ns, _ in times):
-        return [capture for _, capture in times]
-    return [capture for _, capture in sorted(times, key=lambda time: time[0] or 0)]
+    given = [*captures]
+    begins = {capture: begin_ns(capture) for capture in given}
+    return given if None in begins.values() else sorted(given, key=lambda capture: begins[capture] or 0)
 
 
-@contextmanager
-def together(captures: Sequence[Path], say: Callable[[str], None]) -> Iterator[Joined]:
+def together(captures: Sequence[Path], say: Callable[[str], None]) -> AbstractContextManager[Joined]:
     """Join captures; a single one stays as it is. Report damage. Raise NotCaptured for a foreign one."""
     if len(captures) == 1:
-        yield Joined(captures[0], [_Part(1, captures[0])])
-    else:
-        with joined(captures, say) as one:
-            yield one
+        return nullcontext(Joined(captures[0], [_JoinedCapture(1, captures[0])]))
+    return joined(captures, say)
 
 
 @contextmanager
@@ -158,9 +153,9 @@ class _Joining:
         self._packets = 0
         self._interfaces: dict[bytes, int] = {}
 
-    def add(self, capture: Path, say: Callable[[str], None]) -> _Part:
+    def add(self, capture: Path, say: Callable[[str], None]) -> _JoinedCapture:
         """Append the packets of a capture; report where it is damaged. Raise NotCaptured if it is foreign."""
-        part = _Part(self._packets + 1, capture)
+        part = _JoinedCapture(self._packets + 1, capture)
         try:
             damage = self._append(capture)
         except OSError as error:  # also if a recorder has deleted it by now

@@ -13,7 +13,7 @@ from typing import BinaryIO, NamedTuple, cast
 from sistap.tap.files import pcapng
 from sistap.tap.records import record
 from sistap.tap.records.record import Record
-from sistap.tap.terminal.exits import Error
+from sistap.tap.terminal.exits import NotCaptured
 
 _MAGIC = 0x1A2B3C4D
 _LARGEST = 1 << 24  # bytes of a block; Wireshark's limit for packets is far smaller
@@ -32,10 +32,6 @@ _CURE = "open and save it in Wireshark"
 Say = Callable[[str], object]
 
 
-class NotCaptured(Error, ValueError):
-    """The file cannot be read as a capture; the text is one line with the cure."""
-
-
 class Block(NamedTuple):
     """A block of a file."""
 
@@ -44,7 +40,7 @@ class Block(NamedTuple):
     body: bytes
 
 
-class Packet(NamedTuple):
+class RawPacket(NamedTuple):
     """A packet of a file."""
 
     link_type: int
@@ -102,7 +98,7 @@ def records(path: Path, say: Say = lambda _: None) -> Iterator[Record]:
         )
 
 
-def record_of(packet: Packet) -> Record | None:
+def record_of(packet: RawPacket) -> Record | None:
     """Return the record in a packet; None if it has none. ValueError or IndexError if the record is damaged."""
     if packet.link_type != pcapng.LINKTYPE_WIRESHARK_UPPER_PDU or packet.time_ns is None:
         return None
@@ -110,7 +106,7 @@ def record_of(packet: Packet) -> Record | None:
     return None if payload is None else record.unpack(payload, packet.time_ns)
 
 
-def packets(path: Path, say: Say = lambda _: None) -> Iterator[Packet]:
+def packets(path: Path, say: Say = lambda _: None) -> Iterator[RawPacket]:
     """Yield all packets of interfaces that the file describes. Raise OSError or NotCaptured."""
     with opened(path) as file:
         interfaces: list[_Interface] = []
@@ -123,7 +119,9 @@ def packets(path: Path, say: Say = lambda _: None) -> Iterator[Packet]:
                 number, high, low, length = struct.unpack_from(f"{order}IIII", body)
                 if number < len(interfaces):
                     link_type, decimals, description = interfaces[number]
-                    yield Packet(link_type, _time_ns(high << 32 | low, decimals), body[20 : 20 + length], description)
+                    yield RawPacket(
+                        link_type, _time_ns(high << 32 | low, decimals), body[20 : 20 + length], description
+                    )
 
 
 def opened(path: Path) -> BinaryIO:

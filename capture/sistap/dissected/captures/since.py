@@ -12,8 +12,8 @@ from pathlib import Path
 
 from sistap.dissected.captures import reading
 from sistap.dissected.captures.joining import begin_ns
-from sistap.dissected.captures.reading import NotCaptured
 from sistap.tap.common.calendar import of_clock
+from sistap.tap.terminal.exits import NotCaptured
 
 Since = Callable[[datetime], datetime]  # of the end of the captures
 

@@ -58,7 +58,7 @@ class Strokes(NamedTuple):
     width_pt: float
 
 
-class Line(NamedTuple):
+class Polyline(NamedTuple):
     """A line through points."""
 
     points: Points
@@ -89,7 +89,7 @@ class Text(NamedTuple):
     in_front: bool = False  # at the left edge, whatever x is
 
 
-Mark = Area | Bar | Strokes | Line | Dots | Text
+Mark = Area | Bar | Strokes | Polyline | Dots | Text
 
 
 class Tick(NamedTuple):

@@ -13,10 +13,10 @@ from sistap.dissected.draw.panel import (
     Bar,
     Dots,
     Drawing,
-    Line,
     Mark,
     Panel,
     Points,
+    Polyline,
     Strokes,
     Text,
     Tick,
@@ -161,7 +161,7 @@ def _mark(box: _Box, mark: Mark) -> Iterator[str]:
             d = "".join(f"M{box.x(value):.2f} {low:.2f}v{up:.2f}" for value in at)
             if d:
                 yield f'<path d="{d}" fill="none" stroke="var(--{role})" stroke-width="{width_pt:g}"/>'
-        case Line(points, role, width_pt, is_dashed, has_ticks):
+        case Polyline(points, role, width_pt, is_dashed, has_ticks):
             yield _path([(box.x(x), box.y(y)) for x, y in points], role, width_pt, is_dashed=is_dashed)
             if has_ticks:
                 d = "".join(f"M{box.x(x):.2f} {box.y(y) - 2:.2f}v4" for x, y in points)

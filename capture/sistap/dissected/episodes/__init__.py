@@ -14,8 +14,11 @@ A packet goes through all lookers of its bus (engine):
 
 Each yields hits. Hits of one kind, station and topic that follow one another are an episode (episode, book). At the end
 `folding` tells together what belongs together, and weighs what is bad only in numbers. `lines` makes the five lines,
-`live` tells it while it happens, `baseline` beside a good capture. The table of kinds (rules) is the only place that
+`live` tells it while it happens, `values` beside a good capture. The table of kinds (rules) is the only place that
 says how bad each is, and what to do; the tables of `folding` say what explains what. It may use packets.
 
-A new kind needs a row in RULES, a looker that yields its hits, and its words in `lines`.
+A new kind, step by step:
+    its threshold and its row in RULES (rules); fields that it reads in `_SHOWN`, and its telegrams in `_sort`, else no
+    looker sees them (packets/dissection); a looker that `engine` asks, for those that have to do with it; its words in
+    `lines`; what explains it, in `folding`; a case in tests/test_kinds.py; then docs/generate.py, for docs/kinds.md
 """

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from sistap.dissected.accesses.access import Access
 from sistap.dissected.episodes.episode import Hit
 from sistap.dissected.episodes.masters import station_of
-from sistap.dissected.episodes.readings import Reading, class_of, code_of
+from sistap.dissected.episodes.readings import ValueReading, class_of, code_of
 from sistap.dissected.episodes.standard import FORMS
 from sistap.dissected.packets.dissection import Packet
 
@@ -36,7 +36,7 @@ class Diagnoses:
         self._drives: dict[tuple[int, int], _Drive] = {}  # by station and device
         self._begun: list[Hit] = []
 
-    def add(self, packet: Packet, access: Access, said: Reading) -> Iterable[Hit]:
+    def add(self, packet: Packet, access: Access, said: ValueReading) -> Iterable[Hit]:
         """Take a reading of one of LOOKED_AT; return what ends with it."""
         ident = access.parameter.ident
         station = station_of(access.parameter)
@@ -71,25 +71,25 @@ class Diagnoses:
 _Said = tuple[str, str]  # kind or "", and what
 
 
-def _diagnosis(drive: _Drive, ident: str, said: Reading) -> _Said:
+def _diagnosis(drive: _Drive, ident: str, said: ValueReading) -> _Said:
     code = code_of(ident, said.text)
     kind = _KINDS.get(class_of(code), "")
     return (kind, code) if kind else ("", "")
 
 
-def _error_bits(drive: _Drive, ident: str, said: Reading) -> _Said:
+def _error_bits(drive: _Drive, ident: str, said: ValueReading) -> _Said:
     return ("fault", f"class 1 diagnostic {said.text}") if said.bits else ("", "")
 
 
-def _warning_bits(drive: _Drive, ident: str, said: Reading) -> _Said:
+def _warning_bits(drive: _Drive, ident: str, said: ValueReading) -> _Said:
     return ("warning", f"class 2 diagnostic {said.text}") if said.bits else ("", "")
 
 
-def _status(drive: _Drive, ident: str, said: Reading) -> _Said:
+def _status(drive: _Drive, ident: str, said: ValueReading) -> _Said:
     return ("fault", "shut down by an error: drive status bit 13") if (said.bits or 0) & _SHUT_DOWN else ("", "")
 
 
-def _referenced(drive: _Drive, ident: str, said: Reading) -> _Said:
+def _referenced(drive: _Drive, ident: str, said: ValueReading) -> _Said:
     """A drive that was never referenced is not homed yet: no fault."""
     if said.bits is None:
         return "", ""
@@ -100,7 +100,7 @@ def _referenced(drive: _Drive, ident: str, said: Reading) -> _Said:
     )
 
 
-_BY_FORM: Mapping[str, Callable[[_Drive, str, Reading], _Said]] = {
+_BY_FORM: Mapping[str, Callable[[_Drive, str, ValueReading], _Said]] = {
     "diagnosis": _diagnosis,
     "diagnosis_text": _diagnosis,
     "error_bits": _error_bits,

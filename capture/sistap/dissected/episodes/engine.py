@@ -10,13 +10,11 @@ from dataclasses import replace
 from typing import Protocol
 
 from sistap.dissected.episodes import diagnoses, machine
-from sistap.dissected.episodes.baseline import unlike
 from sistap.dissected.episodes.book import Book
 from sistap.dissected.episodes.boots import STEPS, Boots
-from sistap.dissected.episodes.devices import Devices
 from sistap.dissected.episodes.diagnoses import STILL, Diagnoses
 from sistap.dissected.episodes.episode import Episode, Hit
-from sistap.dissected.episodes.faults import Faults, Refusals, Unreadable
+from sistap.dissected.episodes.faults import Faults, Refusals, UnreadableLine
 from sistap.dissected.episodes.folding import fold
 from sistap.dissected.episodes.machine import Machine
 from sistap.dissected.episodes.masters import Masters, station_of
@@ -25,8 +23,8 @@ from sistap.dissected.episodes.readings import reading
 from sistap.dissected.episodes.rules import THRESHOLDS, Thresholds
 from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.standard import FOLLOWS
-from sistap.dissected.episodes.states import Limits, Phases, Rate, Tap
-from sistap.dissected.episodes.values import Values
+from sistap.dissected.episodes.states import Devices, LimitChanges, PhaseChanges, RateChanges, TapTroubles
+from sistap.dissected.episodes.values import Values, unlike
 from sistap.dissected.episodes.writes import Writes
 from sistap.dissected.packets.dissection import Packet, Telegram
 from sistap.dissected.wireshark.rows import FRAME
@@ -56,15 +54,15 @@ class _Bus:
         self.begin_s = self.end_s = 0.0
         self.masters: Masters = Masters(thresholds, before.masters if before else None)
         self.writes: Writes = Writes(self.masters, thresholds, before.writes if before else None)
-        self.phases: Phases = Phases(thresholds, before.phases if before else None)
-        self.rate: Rate = Rate(before.rate if before else None)
-        self.limits: Limits = Limits(before.limits if before else None)
+        self.phases: PhaseChanges = PhaseChanges(thresholds, before.phases if before else None)
+        self.rate: RateChanges = RateChanges(before.rate if before else None)
+        self.limits: LimitChanges = LimitChanges(before.limits if before else None)
         self.devices: Devices = Devices(before.devices if before else None)
         self.silence = StationSilence(thresholds)
         self.bus = BusSilence(thresholds)
         self.faults = Faults()
         self.refusals: Refusals = Refusals(before.refusals if before else None)
-        self.unreadable = Unreadable()
+        self.unreadable = UnreadableLine()
         self.boots = Boots(self.faults.known)
         self.paces = Paces(thresholds)
         self.machine = Machine()
@@ -72,7 +70,7 @@ class _Bus:
         self.values: Values = Values(thresholds, since_s, before.values if before else None)
         # Most packets are nothing new to any of them. So none is a generator, which costs more than what it looks at;
         # and a good telegram that only reads or writes goes to those alone that learn from it.
-        tap = Tap(thresholds)
+        tap = TapTroubles(thresholds)
         lookers: tuple[_Looker, ...] = (
             *(tap, self.bus, self.faults, self.silence, self.masters, self.rate, self.paces, self.limits),
             *(self.unreadable, self.phases, self.boots, self.devices, self.refusals, self.values),

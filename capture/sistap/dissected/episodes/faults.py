@@ -14,6 +14,7 @@ from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import DOUBTFUL, EXCEEDED, LOST, Judged, Packet, Telegram
 from sistap.dissected.wireshark.rows import EVENT, OTHER
 from sistap.tap.records.record import Event, interval_text
+from sistap.tap.sis.limits import limit_text
 from sistap.tap.sis.telegram import FIRST_GROUP, service_name
 
 _KINDS = {"damaged": "damaged", "error_reaction": "error"}  # of faults in the table
@@ -131,7 +132,7 @@ def _limits(packet: Packet, telegram: Telegram) -> Iterator[Hit]:
         judged: Judged | None = getattr(telegram, field)
         if not judged or judged.verdict not in DOUBTFUL or (kind == "interval" and packet.errors & LOST):
             continue
-        limit = f", {name} {judged.limit_s * 1e3:g} ms" if judged.limit_s is not None else ""
+        limit = f", {name} {limit_text(judged.limit_s)}" if judged.limit_s is not None else ""
         position = f" before character {telegram.pause_position}" if kind == "interval" else ""
         perhaps = "" if judged.verdict == EXCEEDED else PERHAPS
         master = f" by master {telegram.talker}" if kind == "cycle" else ""
@@ -219,7 +220,7 @@ def _of_service(packet: Packet, telegram: Telegram) -> Hit:
     return hit_of(kind, packet, telegram.talker, what, topic=what)
 
 
-class Unreadable:
+class UnreadableLine:
     """A bus on which nearly nothing is a telegram."""
 
     def __init__(self) -> None:

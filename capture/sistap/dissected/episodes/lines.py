@@ -97,7 +97,7 @@ class Phrase(NamedTuple):
     others: Sequence[Episode] = ()  # that it tells, too
 
 
-class Line(NamedTuple):
+class AnswerLine(NamedTuple):
     """A line of the answer."""
 
     subject: str
@@ -141,7 +141,7 @@ def things(episodes: Iterable[Episode]) -> int:
 
 def lines(
     episodes: Sequence[Episode], begin_s: float, end_s: float, unjudged: Sequence[str] = (), undescribed: int = 0
-) -> list[Line]:
+) -> list[AnswerLine]:
     """Return the five lines on a capture from one time to the other, in s since 1970.
 
     `unjudged` are times whose limit nobody knows, `undescribed` parameters of which only bytes are known.
@@ -159,7 +159,7 @@ def lines(
         life = [one for one in phrases if one.episode.severity < Severity.WARNING]
         shown = [*certain, *life[:_NOTES]][:_PHRASES]
         note = notes.get(subject, "")
-        made.append(Line(name, "" if subject else first, shown, max(len(certain) - len(shown), 0), note))
+        made.append(AnswerLine(name, "" if subject else first, shown, max(len(certain) - len(shown), 0), note))
     return made
 
 
@@ -244,7 +244,7 @@ def _of_kind(found: Sequence[Episode], clock: Callable[[float], str]) -> Iterato
     if kind in _COUNTED:
         yield _counted(found, clock)
         return
-    told = list(_pairs(found)) if kind in _PAIRED else [_Told(one, one) for one in found]
+    told = list(_pairs(found)) if kind in _PAIRED else [_Account(one, one) for one in found]
     is_note = worst.severity < Severity.WARNING
     if len(told) <= _ALONE or not (is_note or kind in _JOINED):
         yield from (Phrase(_text(one, clock), episode) for one, episode in told)
@@ -253,7 +253,7 @@ def _of_kind(found: Sequence[Episode], clock: Callable[[float], str]) -> Iterato
         ranked = sorted(told, key=lambda one: -(one.told.hit.worst or 0.0))
         yield from (Phrase(_text(one, clock), episode) for one, episode in ranked)
         return
-    alike: dict[tuple[object, ...], list[_Told]] = {}
+    alike: dict[tuple[object, ...], list[_Account]] = {}
     for one in told:
         what = one.told.hit.topic if kind in ("fault", "warning") else ""
         alike.setdefault((*sorted(one.told.stations), what), []).append(one)
@@ -277,7 +277,7 @@ _JOINED = {
 }
 
 
-def _often(same: Sequence[_Told], clock: Callable[[float], str]) -> Phrase:
+def _often(same: Sequence[_Account], clock: Callable[[float], str]) -> Phrase:
     """Tell what happened again and again, with the longest or worst, and when."""
     episodes = [one.told for one in same]
     longest = max(episodes, key=lambda one: (one.severity, one.to_s - one.from_s))
@@ -300,25 +300,25 @@ def _worst(episodes: Iterable[Episode]) -> Episode:
     return max(episodes, key=lambda one: (one.severity, one.hit.worst or 0))
 
 
-class _Told(NamedTuple):
+class _Account(NamedTuple):
     """What is told of an episode."""
 
     told: Episode
     episode: Episode  # which a phrase leads to
 
 
-def _pairs(episodes: Sequence[Episode]) -> Iterator[_Told]:
+def _pairs(episodes: Sequence[Episode]) -> Iterator[_Account]:
     """Yield changes; one that goes on where the last one of the station ended is one with it."""
     waiting: dict[int | None, Episode] = {}
     for one in episodes:
         first = waiting.pop(one.station, None)
         if first and _ends(first)[1] == _ends(one)[0]:
-            yield _Told(_pair(first, one), first)
+            yield _Account(_pair(first, one), first)
         else:
             waiting[one.station] = one
             if first:
-                yield _Told(first, first)
-    yield from (_Told(one, one) for one in waiting.values())
+                yield _Account(first, first)
+    yield from (_Account(one, one) for one in waiting.values())
 
 
 def _ends(change: Episode) -> Sequence[str]:

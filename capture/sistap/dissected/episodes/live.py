@@ -19,7 +19,7 @@ LIVE = THRESHOLDS._replace(memory_s=86_400.0)
 _CERTAIN = {"clock"}  # as a note, too
 
 
-class Live:
+class LiveEpisodes:
     """The engine, packet by packet as they come."""
 
     def __init__(self, thresholds: Thresholds = LIVE) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from sistap.dissected.episodes.readings import Reading, code_of, is_running
+from sistap.dissected.episodes.readings import ValueReading, code_of, is_running
 from sistap.dissected.episodes.standard import FORMS
 
 MOST = 2000  # changes that are remembered
@@ -48,7 +48,7 @@ class Machine:
     changes: list[tuple[float, bool]] = field(default_factory=list)  # since when it runs, or not
     _drives: dict[int, _Drive] = field(default_factory=dict)
 
-    def add(self, now_s: float, station: int, ident: str, said: Reading) -> None:
+    def add(self, now_s: float, station: int, ident: str, said: ValueReading) -> None:
         """Take what a drive says of one of LOOKED_AT."""
         drive = self._drives.setdefault(station, _Drive())
         before = drive.is_running(now_s)
@@ -81,26 +81,26 @@ class Machine:
         return stops if any(running for _, running in lasting) else []
 
 
-def _control(drive: _Drive, now_s: float, _: str, said: Reading) -> float:
+def _control(drive: _Drive, now_s: float, _: str, said: ValueReading) -> float:
     if said.bits is not None:
         drive.word = said.bits & _ENABLED == _ENABLED
     return now_s
 
 
-def _status(drive: _Drive, now_s: float, _: str, said: Reading) -> float:
+def _status(drive: _Drive, now_s: float, _: str, said: ValueReading) -> float:
     if said.bits is not None:
         drive.word = said.bits & _STATUS == _IN_OPERATION
     return now_s
 
 
-def _diagnosis(drive: _Drive, now_s: float, ident: str, said: Reading) -> float:
+def _diagnosis(drive: _Drive, now_s: float, ident: str, said: ValueReading) -> float:
     running = is_running(code_of(ident, said.text))
     if running is not None:
         drive.code, drive.code_s = running, now_s
     return now_s
 
 
-def _speed(drive: _Drive, now_s: float, _: str, said: Reading) -> float:
+def _speed(drive: _Drive, now_s: float, _: str, said: ValueReading) -> float:
     """Take a speed. Since when it is so, is returned."""
     if said.unit != drive.unit:  # its attribute was read: now it has another scale
         drive.unit, drive.fastest, drive.rest_s = said.unit, 0.0, None
@@ -118,7 +118,7 @@ def _speed(drive: _Drive, now_s: float, _: str, said: Reading) -> float:
 
 
 _BY_FORM = {"control_word": _control, "status_word": _status, "diagnosis": _diagnosis, "diagnosis_text": _diagnosis}
-LOOKED_AT: Mapping[str, Callable[[_Drive, float, str, Reading], float]] = {
+LOOKED_AT: Mapping[str, Callable[[_Drive, float, str, ValueReading], float]] = {
     **{ident: _BY_FORM[form] for ident, form in FORMS.items() if form in _BY_FORM},
     _SPEED: _speed,
 }

@@ -9,7 +9,7 @@ from typing import Any
 from sistap.dissected.episodes.rules import THRESHOLDS, Thresholds, changed
 
 
-class _Change(argparse.Action):
+class _RuleAction(argparse.Action):
     """Changes one of the thresholds."""
 
     def __call__(
@@ -27,7 +27,7 @@ def add_rule(parser: argparse.ArgumentParser, usual: Thresholds = THRESHOLDS) ->
         "--rule",
         dest="thresholds",
         metavar="NAME=VALUE",
-        action=_Change,
+        action=_RuleAction,
         default=usual,
         help="change from where on something is unusual, for example bus_silent_s=10; can be given several times; a "
         "wrong NAME lists all",

@@ -23,7 +23,7 @@ _BINARY = re.compile(r"0b([01 ]*[01])")  # words may follow: "(clear)"
 _HEX = re.compile(r"0x0*([0-9A-Fa-f]+)")
 
 
-class Reading(NamedTuple):
+class ValueReading(NamedTuple):
     """A value. Bits and texts have no number."""
 
     number: float | None
@@ -32,17 +32,17 @@ class Reading(NamedTuple):
     bits: int | None = None
 
 
-def reading(access: Access) -> Reading | None:
+def reading(access: Access) -> ValueReading | None:
     """Return what an access tells of its parameter; None: nothing."""
     if access.error or not access.value:
         return None
     if not access.is_raw:
         form = FORMS.get(access.parameter.ident, "")
         if binary := _BINARY.match(access.value):
-            return Reading(None, access.value, "", int(binary[1].replace(" ", ""), 2))
+            return ValueReading(None, access.value, "", int(binary[1].replace(" ", ""), 2))
         if access.number is not None and (access.value.startswith("0x") or _is_bits(form)):
-            return Reading(None, access.value, "", int(access.number))
-        return Reading(access.number, access.value, access.unit)
+            return ValueReading(None, access.value, "", int(access.number))
+        return ValueReading(access.number, access.value, access.unit)
     return _raw(access.parameter.ident, access.data) if access.data else None
 
 
@@ -62,19 +62,19 @@ def _is_bits(form: str) -> bool:
 
 
 @lru_cache(1024)
-def _raw(ident: str, data: str) -> Reading | None:
+def _raw(ident: str, data: str) -> ValueReading | None:
     """Return a value of which only the bytes are known."""
     form = FORMS.get(ident, "")
     content = bytes.fromhex(data)
     if form == "diagnosis_text":
-        return Reading(None, _text(content))
+        return ValueReading(None, _text(content))
     if len(content) not in _LENGTHS:
-        return Reading(None, data)
+        return ValueReading(None, data)
     number = int.from_bytes(content, "little")
     if form and _is_bits(form):
-        return Reading(None, f"0x{number:0{_DIGITS * len(content)}X}", "", number)
+        return ValueReading(None, f"0x{number:0{_DIGITS * len(content)}X}", "", number)
     signed = int.from_bytes(content, "little", signed=True)
-    return Reading(float(signed), str(signed), RAW)
+    return ValueReading(float(signed), str(signed), RAW)
 
 
 def _text(content: bytes) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Changes of the state of the bus and of the tap: phases, rate, limits, clock, adapter, the capture itself."""
+"""Changes of the state of the bus and of the tap: phases, rate, limits, devices, clock, adapter, the capture itself."""
 
 from __future__ import annotations
 
@@ -14,14 +14,17 @@ from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.dissected.packets.dissection import Packet, Telegram
 from sistap.dissected.wireshark.rows import EVENT
 from sistap.tap.records.record import CLOCK_MOVED, Event
+from sistap.tap.sis.limits import limit_text
 
 _MOVED = re.compile(CLOCK_MOVED.replace("{:+.3f}", r"([-+][\d.]+)") + r"|system time jumped by ([-+][\d.]+) s")
+_IDENTIFY = 0x00
+_IDENTITY = {"sis.firmware": "firmware", "sis.type_key": "type key"}
 
 
-class Phases:
+class PhaseChanges:
     """The communication phase of each station."""
 
-    def __init__(self, thresholds: Thresholds = THRESHOLDS, before: Phases | None = None) -> None:
+    def __init__(self, thresholds: Thresholds = THRESHOLDS, before: PhaseChanges | None = None) -> None:
         """Begin with those of a good capture, or with none known."""
         self._thresholds = thresholds
         self._phases: dict[int, str] = dict(before._phases) if before else {}
@@ -49,10 +52,10 @@ class Phases:
             yield hit_of("phase", packet, station, f"{before or 'unknown'}{ARROW}{phase}")
 
 
-class Rate:
+class RateChanges:
     """The rate of the line."""
 
-    def __init__(self, before: Rate | None = None) -> None:
+    def __init__(self, before: RateChanges | None = None) -> None:
         """Begin with that of a good capture, or with none known."""
         self._baud: int = before._baud if before else 0
 
@@ -66,10 +69,10 @@ class Rate:
         return (hit_of("rate", packet, None, f"{before}{ARROW}{self._baud} Bd"),)
 
 
-class Limits:
+class LimitChanges:
     """TzA and TrS of each station."""
 
-    def __init__(self, before: Limits | None = None) -> None:
+    def __init__(self, before: LimitChanges | None = None) -> None:
         """Begin with those of a good capture, or with none known."""
         self._limits: dict[tuple[str, int], float] = dict(before._limits) if before else {}
 
@@ -90,11 +93,11 @@ class Limits:
 
 def _changed(packet: Packet, station: int, name: str, before_s: float | None, limit_s: float) -> Iterator[Hit]:
     if before_s is not None:
-        change = f"{name} {before_s * 1e3:g}{ARROW}{limit_s * 1e3:g} ms"
+        change = f"{name} {before_s * 1e3:g}{ARROW}{limit_text(limit_s)}"
         yield hit_of("limits", packet, station, change)._replace(topic=change)
 
 
-class Tap:
+class TapTroubles:
     """What happened to the tap: its clock, its adapter, the capture."""
 
     def __init__(self, thresholds: Thresholds = THRESHOLDS) -> None:
@@ -133,3 +136,30 @@ class Tap:
         return hit_of("clock", packet, None, f"{jump_s:+.0f} s")._replace(
             worst=jump_s, to_s=packet.epoch_s + max(-jump_s, 0.0)
         )
+
+
+class Devices:
+    """Which device is at an address of a bus: its firmware and type key (service 0x00)."""
+
+    def __init__(self, before: Devices | None = None) -> None:
+        """Begin with those of a good capture, or with none known."""
+        self._known: dict[tuple[int, str], str] = dict(before._known) if before else {}
+
+    def add(self, packet: Packet) -> Iterable[Hit]:
+        """Return that another device answers."""
+        hits: list[Hit] = []
+        for telegram in packet.telegrams:
+            if telegram.service == _IDENTIFY and telegram.is_reaction and telegram.good and not telegram.is_refusal:
+                hits += self._of(packet, telegram)
+        return hits
+
+    def _of(self, packet: Packet, telegram: Telegram) -> Iterator[Hit]:
+        station = telegram.talker
+        for field, name in _IDENTITY.items():
+            text = telegram.columns.get(field, "")
+            if not text or station is None:
+                continue
+            before = self._known.get((station, name))
+            self._known[station, name] = text
+            if before not in (None, text):
+                yield hit_of("exchanged", packet, station, f"{name} {before}{ARROW}{text}", topic=name)

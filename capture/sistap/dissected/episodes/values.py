@@ -17,7 +17,7 @@ from sistap.dissected.episodes.diagnoses import STILL
 from sistap.dissected.episodes.episode import ARROW, Hit
 from sistap.dissected.episodes.levels import Levels
 from sistap.dissected.episodes.masters import station_of
-from sistap.dissected.episodes.readings import RAW, Reading, raw_number
+from sistap.dissected.episodes.readings import RAW, ValueReading, raw_number
 from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.dissected.episodes.standard import FOLLOWS, FORMS
 from sistap.dissected.episodes.trend import Trend
@@ -128,7 +128,7 @@ class Values:
                 self._lose_command(packet.interface, telegram)
         return ()
 
-    def take(self, packet: Packet, access: Access, said: Reading, *, is_running: bool | None) -> bool:
+    def take(self, packet: Packet, access: Access, said: ValueReading, *, is_running: bool | None) -> bool:
         """Take a reading; tell whether a state begins with it, or a level lasts."""
         parameter = access.parameter
         followed = self._of(parameter)
@@ -159,7 +159,7 @@ class Values:
         lasts = levels.add(packet.epoch_s, said.number - (followed.command or 0.0), packet.number)
         return is_new or lasts
 
-    def judge(self, packet: Packet, access: Access, said: Reading, *, is_running: bool | None) -> Iterable[Hit]:
+    def judge(self, packet: Packet, access: Access, said: ValueReading, *, is_running: bool | None) -> Iterable[Hit]:
         """Return what is surely wrong with a number: beyond the limits that the drive told, or far from its command."""
         if access.is_write:
             return ()
@@ -185,7 +185,7 @@ class Values:
     def _begin(self) -> _Followed:
         return _Followed(Levels(self._thresholds), Levels(self._thresholds))
 
-    def _command(self, access: Access, said: Reading) -> None:
+    def _command(self, access: Access, said: ValueReading) -> None:
         """Note a command for what follows it. What came before the first command was another quantity."""
         followed = self._of(access.parameter._replace(ident=_COMMANDS[access.parameter.ident]))
         if followed is None:
@@ -408,3 +408,23 @@ def _beside(value: float, usual: float, unit: str) -> str:
 def _hit(kind: str, parameter: Parameter, packet: int, from_s: float, to_s: float) -> Hit:
     topic = str(parameter)
     return Hit(kind, packet, from_s, to_s, station_of(parameter), parameter.ident, port=parameter.port, topic=topic)
+
+
+def unlike(good: Values, bad: Values) -> Iterator[Hit]:
+    """Yield the levels of the bad side that are far from all of the good one. Other work may have other levels."""
+    # Ports are left out: the tap may be at another port today.
+    usual = {parameter._replace(port=""): followed for parameter, followed in good.followed()}
+    for parameter, followed in bad.followed():
+        before = usual.get(parameter._replace(port=""))
+        if before is None or before.is_written or followed.is_written:
+            continue
+        if (before.command is None) != (followed.command is None) or before.unit != followed.unit:
+            continue  # only one side tells what it follows, or how large it is
+        if followed.levels.drift():
+            continue  # that is told
+        beside = "" if followed.command is None else f" beside {FOLLOWS[parameter.ident]}"
+        for level in followed.levels.unlike(before.levels):
+            detail = f"{level.value:.5g} {followed.unit}{beside}, {before.levels.usual:.5g} in the good capture"
+            where = station_of(parameter), parameter.ident, detail.replace("  ", " ")
+            place = "step", level.packet, level.from_s, level.to_s
+            yield Hit(*place, *where, level.value, Severity.NOTE, parameter.port, str(parameter))

@@ -6,16 +6,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sistap.dissected.wireshark import rows
-from sistap.tap.sis.faults import FAULTS, UNRESOLVED, Fault
-
-
-def _is_no_damage(fault: Fault) -> bool:
-    return fault.name != "damaged"
-
+from sistap.tap.sis.faults import FAULTS, UNRESOLVED
 
 # Tests, and a line for what passes one of them. Damage comes first: the status of a damaged telegram may be anything.
 _ADVICE = [
-    *(((*fault.tests, *fault.live), f"What to do: {fault.do}") for fault in sorted(FAULTS, key=_is_no_damage)),
+    *(
+        ((*fault.tests, *fault.live), f"What to do: {fault.do}")
+        for fault in sorted(FAULTS, key=lambda fault: fault.name != "damaged")
+    ),
     (
         ("sis.tza.verdict == 2", "sis.trs.verdict == 2", "sis.tmas.verdict == 2"),
         f"Unresolved, whether a limit was kept. {UNRESOLVED}",

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 from sistap.dissected.explain.advice import advice
 from sistap.dissected.wireshark import rows
-from sistap.dissected.wireshark.rows import INFO_FIELDS, NECESSARY, NO_DISSECTOR, first, info, unknown_fields
+from sistap.dissected.wireshark.rows import INFO_FIELDS, NECESSARY, NO_DISSECTOR, first, info
+from sistap.dissected.wireshark.trouble import unknown_fields
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 
 EXPLANATION = "^-- "  # stands before each explanation in a log

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from sistap.dissected.explain import entries
 from sistap.dissected.explain.fields import Fields, said, sentence
 from sistap.dissected.explain.plain import PlainText
-from sistap.dissected.explain.relay import Columns, Entry, Judged, Relay
+from sistap.dissected.explain.relay import Columns, Entry, JudgedEntry, Relay
 from sistap.dissected.explain.running import Running, ordinary_children
 from sistap.dissected.wireshark.rows import passes, tested
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
@@ -109,7 +109,7 @@ class LiveText:
         for judged in self._relay.look():
             self._print(judged)
 
-    def _print(self, judged: Judged) -> None:
+    def _print(self, judged: JudgedEntry) -> None:
         if line := judged.entry.line:
             self._output.write(self._text(line, judged.columns).encode())
 

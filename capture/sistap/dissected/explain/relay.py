@@ -53,7 +53,7 @@ class Entry(NamedTuple):
     line: str = ""  # for a reader
 
 
-class Judged(NamedTuple):
+class JudgedEntry(NamedTuple):
     """A block, and what tshark said about it."""
 
     entry: Entry
@@ -136,7 +136,7 @@ class Relay:
             self._before.take(entry.heard)
         self._succeed()
 
-    def look(self) -> Iterator[Judged]:
+    def look(self) -> Iterator[JudgedEntry]:
         """Yield what is judged by now. Call it regularly, also while nothing comes."""
         self._mark()
         self._send()
@@ -153,7 +153,7 @@ class Relay:
         """Tell whether everything was judged."""
         return not self._pending
 
-    def finish(self, patience_s: float) -> Iterator[Judged]:
+    def finish(self, patience_s: float) -> Iterator[JudgedEntry]:
         """Yield the rest when tshark has judged it, or unjudged after a time-out."""
         self._send()
         for post in self._on_duty():
@@ -199,7 +199,7 @@ class Relay:
         """Start a tshark that judges from a record on, and send it its context. May raise OSError."""
         running = self._start(self._token)
         assert self._blocks
-        told = map(self._blocks.packet, self._before.events(self._last_ns))
+        told = map(self._blocks.packet, self._before.records(self._last_ns))
         known = [*self._started, *told, *(entry.block for entry in context if entry.is_packet)]
         running.put(self._heading + b"".join(known))
         self._posts.append(_Post(running, first, len(known)))
@@ -244,7 +244,7 @@ class Relay:
         post.packets = self._number - self._judged
         self._marked = self._judged
 
-    def _give_up(self, why: str) -> Iterator[Judged]:
+    def _give_up(self, why: str) -> Iterator[JudgedEntry]:
         """Leave pending records unjudged."""
         count = self._number - self._judged
         self.unjudged += count
@@ -267,7 +267,7 @@ class Relay:
         mark = pcapng.enhanced_packet(0, self._pending[-1].time_ns, pcapng.upper_pdu("data", self._token))
         self._unsent.append(mark)
 
-    def _judged_by_now(self) -> Iterator[Judged]:
+    def _judged_by_now(self) -> Iterator[JudgedEntry]:
         while self._posts:
             post = self._posts[0]
             try:
@@ -280,7 +280,7 @@ class Relay:
             else:
                 yield from self._told(post, line)
 
-    def _told(self, post: _Post, line: str | None) -> Iterator[Judged]:
+    def _told(self, post: _Post, line: str | None) -> Iterator[JudgedEntry]:
         """Take a line of one, None: it has ended by itself."""
         if line is None:
             self._lose(post, f"tshark has ended: {post.running.failure()}")
@@ -297,12 +297,12 @@ class Relay:
             yield from self._up_to(number)
             yield self._taken(columns)
 
-    def _up_to(self, number: int) -> Iterator[Judged]:
+    def _up_to(self, number: int) -> Iterator[JudgedEntry]:
         """Yield what comes before this record: the filter does not match it."""
         while self._pending and (self._judged < number or not self._pending[0].is_packet):
             yield self._taken(None)
 
-    def _taken(self, columns: Columns | None, *, is_unjudged: bool = False) -> Judged:
+    def _taken(self, columns: Columns | None, *, is_unjudged: bool = False) -> JudgedEntry:
         entry = self._pending.popleft()
         self._pending_bytes -= len(entry.block)
         self._judged += entry.is_packet
@@ -313,7 +313,7 @@ class Relay:
             or abs(entry.time_ns - self._recent[0].time_ns) > self._seams.context_ns  # a clock can be set back
         ):
             self._recent_bytes -= len(self._recent.popleft().block)
-        return Judged(entry, columns, is_unjudged)
+        return JudgedEntry(entry, columns, is_unjudged)
 
 
 def _number(columns: Columns) -> int:

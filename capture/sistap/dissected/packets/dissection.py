@@ -19,7 +19,8 @@ from sistap.dissected.captures.portions import Portion
 from sistap.dissected.packets.apart import PACKED, apart, beside
 from sistap.dissected.packets.kept import Kept, Span
 from sistap.dissected.wireshark import rows
-from sistap.dissected.wireshark.rows import EVENT, JOINT, NECESSARY, NO_DISSECTOR, damage, first, told
+from sistap.dissected.wireshark.rows import BEFORE, EVENT, JOINT, NECESSARY, NO_DISSECTOR, first, told
+from sistap.dissected.wireshark.trouble import damage
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import INTERVAL_MAX, KEPT, Event
@@ -217,7 +218,7 @@ class Packet:
 
 
 @dataclass
-class _Part:
+class _CaptureInTurn:
     """A capture among those that are read as one."""
 
     before: int  # packets of those before it
@@ -268,7 +269,7 @@ class Dissection:
         self._zero_s: float | None = None  # where the seconds begin, since 1970; None: not yet reached
         self._known: Collection[str] = self._fields
         self._rows = _Rows((), ())
-        self._parts: list[_Part] = []
+        self._parts: list[_CaptureInTurn] = []
         self.warning = ""  # what tshark said at the end of captures that are cut off
 
     def __enter__(self) -> Dissection:
@@ -284,7 +285,7 @@ class Dissection:
         return [name for name in self._fields if name not in self._known]
 
     def packets(self) -> Iterator[Packet]:
-        """Yield all packets, once. May raise NotACapture, TsharkError and Incomplete."""
+        """Yield all packets, once. May raise Refusal."""
         return _of_traffic(self._packets())
 
     def again(self, spans: Collection[Span]) -> Iterator[Packet]:
@@ -299,12 +300,12 @@ class Dissection:
     def _packets(self) -> Iterator[Packet]:
         number = 0
         for portion in self._captures:
-            self._parts.append(_Part(number - portion.told))
+            self._parts.append(_CaptureInTurn(number - portion.told))
             for packet in self._of_part(portion.path, self._parts[-1]):
                 number = packet.number
                 yield packet
 
-    def _of_part(self, capture: Path, part: _Part) -> Iterator[Packet]:
+    def _of_part(self, capture: Path, part: _CaptureInTurn) -> Iterator[Packet]:
         came = False
         try:
             for line in self._lines(capture):
@@ -341,7 +342,7 @@ def _of_traffic(packets: Iterable[Packet]) -> Iterator[Packet]:
         if packet.type == EVENT and packet.event in _BEGINNING:
             beginning.append(packet)
             continue
-        is_again = packet.type == EVENT and packet.event == Event.TOLD_BEFORE
+        is_again = packet.type == BEFORE or (packet.type == EVENT and packet.event == Event.TOLD_BEFORE)
         if beginning:
             yield from _described(beginning, begun, is_again=is_again)
             beginning = []

@@ -49,7 +49,7 @@ class Kept:
         self._blobs.__exit__(*error)
 
     def put(self, time_s: float, row: str) -> None:
-        """Keep the row of a packet. Incomplete if there is no room."""
+        """Keep the row of a packet. Refusal if there is no room."""
         self._rows.append(row)
         self._times_s.append(time_s)
         if len(self._rows) == _TOGETHER:

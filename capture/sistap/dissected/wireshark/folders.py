@@ -7,9 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-
-class FoldersError(Exception):
-    """A required folder is not named; the text is the line to show."""
+from sistap.dissected.wireshark.trouble import TsharkError
 
 
 class Folders(NamedTuple):
@@ -39,7 +37,7 @@ _GLOBAL = {
 
 def parse(text: str, *, for_all: bool) -> Folders:
     """Return the folders of this user, or those for all users, from the output of `tshark -G folders`. Raise
-    FoldersError.
+    TsharkError.
     """
     named = _named(text)
     return Folders(**{kind: _first(named, places) for kind, places in (_GLOBAL if for_all else _PERSONAL).items()})
@@ -52,7 +50,7 @@ class Own:
     """
 
     def __init__(self, text: str, *, for_all: bool, others: Iterable[Path] = ()) -> None:
-        """Parse the output of `tshark -G folders`. FoldersError if it lacks them."""
+        """Parse the output of `tshark -G folders`. TsharkError if it lacks them."""
         parse(text, for_all=for_all)
         named = _named(text)
         names = {name for places in (_GLOBAL if for_all else _PERSONAL).values() for name, _ in places}
@@ -91,4 +89,4 @@ def _first(named: dict[str, str], places: tuple[tuple[str, str], ...]) -> Path:
     for name, below in places:
         if named.get(name):
             return Path(named[name]) / below
-    raise FoldersError(f"`tshark -G folders` names no {places[0][0]}: install Wireshark 4.0 or later")
+    raise TsharkError(f"`tshark -G folders` names no {places[0][0]}: install Wireshark 4.0 or later")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The rows that tshark prints, one for each packet, and its messages about damaged captures."""
+"""The rows that tshark prints, one for each packet."""
 
 from __future__ import annotations
 
@@ -7,12 +7,10 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from operator import eq, gt
-from pathlib import Path
 
-from sistap.dissected.wireshark.tshark import Tshark, TsharkError
-from sistap.tap.common.packed import no_capture
+from sistap.dissected.wireshark.trouble import TsharkError, unknown_fields
+from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.terminal.console import visible
-from sistap.tap.terminal.exits import Error
 
 NO_DISSECTOR = (
     "tshark has no dissector for SIS: `sistap install` puts one where it looks, or name its folder in "
@@ -21,7 +19,7 @@ NO_DISSECTOR = (
 NECESSARY = "sis.start"  # a field that every dissector for SIS has
 # The text in the packet list: a column in 4.0, a field of another name since 4.2.
 INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
-FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
+FRAME, OTHER, EVENT, BEFORE = 0, 1, 2, 3  # sertap.type
 JOINT = "\x1f"  # between several values of a field; no text contains it
 
 _TAP = "sis,rows"  # plugin/sis/rows.c
@@ -30,12 +28,6 @@ _NO_TAP = "Invalid -z argument"
 _ODD = re.compile(f"[^ -~\t{JOINT}]")  # may have to be escaped; rare
 _USUAL = bytes(byte for byte in range(128) if not _ODD.match(chr(byte)))
 _NAMED = {"Bad": "0", "Good": "1", "Unverified": "2", "Not present": "3"}  # checksum.status of later versions
-_CUT = ("cut short", "damaged")
-_NOT_A_CAPTURE = "isn't a capture file"
-
-
-class NotACapture(Error):
-    """tshark cannot read the file; the text is the line to show."""
 
 
 def printing(names: Iterable[str], joint: str = JOINT) -> list[str]:
@@ -119,36 +111,3 @@ def info(columns: dict[str, str]) -> str:
     """
     column, field = INFO_FIELDS
     return columns.get(column) or columns.get(field, "").replace("\\\\", "\\")
-
-
-def unknown_fields(said: str) -> set[str]:
-    """Return the fields that tshark refuses as unknown, from its message."""
-    return set(re.findall(r"^\s+(\S+)$", said, re.MULTILINE)) if "fields aren't valid" in said else set()
-
-
-def is_no_capture(error: TsharkError) -> bool:
-    """Tell whether tshark failed because the file is not a capture."""
-    return _NOT_A_CAPTURE in str(error)
-
-
-def is_cut(error: TsharkError) -> bool:
-    """Tell whether tshark failed at the end of a capture that is cut off or damaged."""
-    return any(words in str(error) for words in _CUT)
-
-
-def last_words(error: TsharkError, capture: str = "the capture") -> str:
-    """Return the last line of tshark's message, with `capture` as its name: as root, tshark reads a copy."""
-    return re.sub(r'The file "[^"]*"', capture, str(error).splitlines()[-1].removeprefix("tshark: "))
-
-
-def damage(capture: Path, error: TsharkError, came: bool) -> str:
-    """Describe the damage of a capture at whose end tshark failed; `came`: tshark printed something before.
-
-    NotACapture if it is none, TsharkError if tshark failed for another reason.
-    """
-    if is_no_capture(error):
-        raise NotACapture(no_capture(capture)) from None
-    last = last_words(error)
-    if not came and not is_cut(error):
-        raise TsharkError(f"tshark: {last}") from None
-    return last

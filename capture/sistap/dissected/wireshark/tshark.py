@@ -23,12 +23,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, NamedTuple
 
+from sistap.dissected.wireshark.trouble import TsharkError as TsharkError  # noqa: PLC0414 - for whoever runs it
 from sistap.tap.common import pages, temporary
 from sistap.tap.common.complaints import Complaints
 from sistap.tap.terminal import programs
 from sistap.tap.terminal.advice import advice
 from sistap.tap.terminal.console import Console
-from sistap.tap.terminal.exits import Error
 from sistap.tap.terminal.state import ROOT, only_root_writes
 from sistap.tap.terminal.stop import held
 
@@ -100,10 +100,6 @@ def environment(program: str) -> dict[str, str]:
     if folder.match(str(programs.PORTABLE)) and (data := folder.parents[1] / "Data").is_dir():
         own.setdefault("WIRESHARK_APPDATA", str(data))
     return own
-
-
-class TsharkError(Error):
-    """tshark is missing or failed; the text is the line to show."""
 
 
 class Version(NamedTuple):

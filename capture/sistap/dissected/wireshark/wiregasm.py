@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
-from sistap.dissected.wireshark.tshark import TsharkError
+from sistap.dissected.wireshark.trouble import TsharkError
 
 _NO_CAPTURE = 'tshark: The file "{}" isn\'t a capture file in a format TShark understands.'
 _CUT = 'tshark: The file "{}" appears to have been cut short in the middle of a packet.'

@@ -30,7 +30,7 @@ _FAULTS = 8  # one character in this many may be faulty, by noise
 _FEWEST = 4  # steps of a clock
 
 
-class Line(NamedTuple):
+class Trace(NamedTuple):
     """A piece of a line: the times of its edges."""
 
     edges: Sequence[int]
@@ -74,7 +74,7 @@ class Reading(NamedTuple):
         return self.in_telegrams > 0 or self.is_clean and self.good >= _ENOUGH and len(values) > 1
 
 
-def read_as(line: Line, rate: int, settings: LineSettings) -> Reading:
+def read_as(line: Trace, rate: int, settings: LineSettings) -> Reading:
     """Read a line by the polarity that makes the better characters; its times are counts, `rate` of them in a second.
 
     In doubt, the level of the idle line is the more frequent one.
@@ -84,7 +84,7 @@ def read_as(line: Line, rate: int, settings: LineSettings) -> Reading:
     return max((_read(line, rate, settings, one) for one in (mostly_low, not mostly_low)), key=_SCORE)
 
 
-def find(line: Line, rate: int, bauds: Sequence[int] = BAUDS, formats: Sequence[str] = FORMATS) -> Reading | None:
+def find(line: Trace, rate: int, bauds: Sequence[int] = BAUDS, formats: Sequence[str] = FORMATS) -> Reading | None:
     """Return the reading of a line for which there is most evidence; None if there is none."""
     widths = sorted(after - before for before, after in pairwise(line.edges))
 
@@ -101,7 +101,7 @@ def find(line: Line, rate: int, bauds: Sequence[int] = BAUDS, formats: Sequence[
 _SCORE = attrgetter("score")
 
 
-def _read(line: Line, rate: int, settings: LineSettings, is_inverted: bool) -> Reading:
+def _read(line: Trace, rate: int, settings: LineSettings, is_inverted: bool) -> Reading:
     uart = Uart(rate, settings, is_high=line.is_high ^ is_inverted)
     characters = list(uart.feed(line.edges, line.end))
     good = sum(not character.flag for character in characters)

@@ -18,7 +18,7 @@ from contextlib import suppress
 from queue import Empty, Queue
 from typing import NamedTuple
 
-from sistap.tap.analyser.finding import Line, find
+from sistap.tap.analyser.finding import Trace, find
 from sistap.tap.analyser.probe import MISSING, PROGRAM, Probe, hertz, program
 from sistap.tap.analyser.uart import ENOUGH_SAMPLES, FEWEST_SAMPLES, HIGH, LOW, Edges, Uart
 from sistap.tap.common.complaints import Complaints
@@ -190,10 +190,10 @@ class _Channel:
         self._heard.extend(edges)
         return edges
 
-    def heard(self) -> Line:
+    def heard(self) -> Trace:
         """Return the newest edges."""
         is_high = self.edges.is_high == (len(self._heard) % 2 == 0)
-        return Line(tuple(self._heard), is_high, self.edges.now)
+        return Trace(tuple(self._heard), is_high, self.edges.now)
 
 
 class SampleClock:

@@ -9,17 +9,15 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from sistap.tap.capture.filter import FilterError
 from sistap.tap.capture.options import BOTH_LINES, CaptureOptions, checked, rate
 from sistap.tap.files.output import Output, OutputRefused
 from sistap.tap.files.pcapng import LINK_TYPES, UPPER_PDU
 from sistap.tap.line import ports
-from sistap.tap.line.reader import PortError
 from sistap.tap.records.cut import HELP, SIS, WORDS, Cut
 from sistap.tap.sis.limits import milliseconds
 from sistap.tap.terminal.advice import advice
 from sistap.tap.terminal.console import STANDARD_OUTPUT, Console
-from sistap.tap.terminal.exits import USAGE, UsageError, argument
+from sistap.tap.terminal.exits import USAGE, Refusal, argument
 from sistap.tap.terminal.stop import Stop
 from sistap.tap.terminal.writing import FORCE
 
@@ -200,8 +198,6 @@ def add_end_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.description = DESCRIPTION
-    parser.epilog = EPILOG
     add = parser.add_argument
     add_line_arguments(parser)
     add(
@@ -225,15 +221,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Capture; return the exit code. May raise PortError."""
-    console = Console()
-
-    def work() -> int:
-        with _told_in_pipe(args.file):
-            options = replace(options_of(args, args.file), link_type=args.link_type)
-            return started(options, console, force=args.force)
-
-    return refusing(console, work)
+    """Capture; return the exit code."""
+    with _told_in_pipe(args.file):
+        options = replace(options_of(args, args.file), link_type=args.link_type)
+        return started(options, Console(), force=args.force)
 
 
 @contextmanager
@@ -241,29 +232,17 @@ def _told_in_pipe(file: str | None) -> Iterator[None]:
     """Tell whoever reads standard output why there is no capture, too."""
     try:
         yield
-    except (PortError, UsageError, FilterError) as error:
+    except Refusal as refusal:
         if file == STANDARD_OUTPUT:
             from sistap.tap.capture.running import begin_in_vain
 
             with suppress(OutputRefused), closing(Output(file)) as output:
-                begin_in_vain(output, "sistap", str(error))
+                begin_in_vain(output, "sistap", str(refusal))
         raise
 
 
-def refusing(console: Console, work: Callable[[], int]) -> int:
-    """Do the work of a command; report what is wrong with its options in one line."""
-    try:
-        return work()
-    except (UsageError, FilterError, OutputRefused) as error:
-        console.alarm(str(error))
-        return USAGE
-
-
 def started(options: CaptureOptions, console: Console, opener: Opener | None = None, *, force: bool = False) -> int:
-    """Capture into the file of the options, or where `opener` says; return the exit code. May raise PortError.
-
-    Also UsageError, FilterError and OutputRefused.
-    """
+    """Capture into the file of the options, or where `opener` says; return the exit code."""
     from sistap.tap.capture.running import record  # late: help needs none of it
 
     stop = Stop.current()
@@ -273,17 +252,17 @@ def started(options: CaptureOptions, console: Console, opener: Opener | None = N
 
 
 def _only_port() -> list[str]:
-    """Return the port if there is exactly one. Otherwise raise UsageError."""
+    """Return the port if there is exactly one. Otherwise raise Refusal."""
     found = [port for port, _ in ports.found()]
     if len(found) == 1:
         return found
     if found:
-        raise UsageError(f"there are {len(found)} ports: name one with -i ({', '.join(found)})")
-    raise UsageError(f"no serial port found: plug the adapter in, or name a PORT with -i; {advice().no_port}")
+        raise Refusal(f"there are {len(found)} ports: name one with -i ({', '.join(found)})")
+    raise Refusal(f"no serial port found: plug the adapter in, or name a PORT with -i; {advice().no_port}")
 
 
 def options_of(args: argparse.Namespace, file: str | None) -> CaptureOptions:
-    """Return the options of a capture into a file. May raise UsageError."""
+    """Return the options of a capture into a file. May raise Refusal."""
     return CaptureOptions(
         ports=tuple(args.ports or _only_port()),
         file=file,

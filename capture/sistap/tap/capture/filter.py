@@ -16,12 +16,9 @@ from pathlib import PureWindowsPath
 
 from sistap.tap.files.pcapng import LINKTYPE_USER0
 from sistap.tap.terminal.advice import advice
+from sistap.tap.terminal.exits import Refusal
 
 _SNAPLEN = 0xFFFF
-
-
-class FilterError(Exception):
-    """The filter cannot be used; str() is the line to show."""
 
 
 class _Program(ctypes.Structure):
@@ -49,11 +46,11 @@ def candidates(system: str = sys.platform) -> Iterator[str]:
 
 
 def opened(names: Iterable[str], load: Callable[[str], ctypes.CDLL] | None = None) -> ctypes.CDLL:
-    """Load the first library that exists. Raise FilterError."""
+    """Load the first library that exists. Raise Refusal."""
     for name in names:
         with suppress(OSError):
             return (load or ctypes.CDLL)(name)
-    raise FilterError(f"a capture filter needs libpcap: {advice().libpcap}")
+    raise Refusal(f"a capture filter needs libpcap: {advice().libpcap}")
 
 
 def _load() -> ctypes.CDLL:
@@ -73,7 +70,7 @@ class Filter:
     """A compiled filter. It lives as long as the capture, so libpcap's memory for it is never freed."""
 
     def __init__(self, text: str) -> None:
-        """Compile; FilterError has libpcap's own message."""
+        """Compile; Refusal has libpcap's own message."""
         self.text = text
         self._pcap = _load()
         self._program = _Program()
@@ -82,7 +79,7 @@ class Filter:
         try:
             if self._pcap.pcap_compile(pcap, ctypes.byref(self._program), os.fsencode(text), 1, 0xFFFFFFFF):
                 message = self._pcap.pcap_geterr(pcap).decode(errors="replace")
-                raise FilterError(f"filter '{text}': {message}")
+                raise Refusal(f"filter '{text}': {message}")
         finally:
             self._pcap.pcap_close(pcap)
 

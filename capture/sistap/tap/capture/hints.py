@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from sistap.tap.capture.rate import Scan
 from sistap.tap.line import others
-from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
+from sistap.tap.line.settings import LineSettings, in_ms
 from sistap.tap.records.counters import Counters
 from sistap.tap.records.record import Framing
 from sistap.tap.sis.rates import RATES
@@ -123,17 +123,12 @@ class Exactness:
         if elapsed_s < self._due_s or large < 2 * small or large - small < self.LEAST_NS:
             return ""
         busy = "busier" if uncertainty_ns == large else "less busy"
-        text = (
-            f"{self._name}: uncertainty {_ms(uncertainty_ns)} now, {_ms(self._said_ns)} before: this computer is {busy}"
-        )
+        change = f"{in_ms(uncertainty_ns)} now, {in_ms(self._said_ns)} before"
+        text = f"{self._name}: uncertainty {change}: this computer is {busy}"
         self._said_ns = uncertainty_ns
         self._patience_s = min(2 * self._patience_s, self.LONGEST_S)
         self._due_s = elapsed_s + self._patience_s
         return text
-
-
-def _ms(ns: int) -> str:
-    return "unknown" if ns >= UNCERTAINTY_UNKNOWN else f"{ns / 1e6:.2f} ms"
 
 
 def _diagnose_search(counters: Counters, elapsed_s: float, scan: Scan) -> str | None:

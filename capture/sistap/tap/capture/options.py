@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 from sistap.tap.capture.filter import Filter
 from sistap.tap.capture.rate import AUTO, FORMATS
-from sistap.tap.files.output import Limits
+from sistap.tap.files.output import FileLimits
 from sistap.tap.files.pcapng import RTAC, UPPER_PDU
 from sistap.tap.line import ports
 from sistap.tap.line.settings import LineSettings
@@ -20,7 +20,7 @@ from sistap.tap.records.record import LARGEST_RATE
 from sistap.tap.sis import limits
 from sistap.tap.sis.rates import RATES
 from sistap.tap.terminal.console import STANDARD_OUTPUT
-from sistap.tap.terminal.exits import UsageError
+from sistap.tap.terminal.exits import Refusal
 
 ONE_LINE, BOTH_LINES = (0,), (1, 2)  # their numbers: a shared bus, the directions of a full-duplex line
 
@@ -68,11 +68,11 @@ class CaptureOptions:
         return self.file or STANDARD_OUTPUT
 
     @property
-    def limits(self) -> Limits:
-        """Return the limits of the files: -w, -a and -b mean what they mean in dumpcap. May raise UsageError."""
+    def limits(self) -> FileLimits:
+        """Return the limits of the files: -w, -a and -b mean what they mean in dumpcap. May raise Refusal."""
         _check_limits(self)
         size = _size(self)
-        return Limits(
+        return FileLimits(
             size=int(size) * 1000 if size else None,
             duration_s=self.ring.get("duration"),
             several=bool(self.ring),
@@ -101,15 +101,15 @@ def rate(text: str) -> int | None:
 
 
 def checked(options: CaptureOptions) -> Plan:
-    """Check the options that do not concern the output. May raise UsageError or FilterError."""
+    """Check the options that do not concern the output. May raise Refusal."""
     settings = _settings(options)
     if options.framing == PROCEDURE_3964R and options.link_type not in (UPPER_PDU, RTAC):
-        raise UsageError(
+        raise Refusal(
             f"--link-type {options.link_type} is for SIS telegrams, and has no place for the handshakes of 3964R: "
             f"use {UPPER_PDU} or {RTAC}"
         )
     if options.limits_told and (options.framing != SIS or options.link_type != UPPER_PDU):
-        raise UsageError("--tza and --trs are kept only with SIS telegrams and --link-type upper-pdu: leave them out")
+        raise Refusal("--tza and --trs are kept only with SIS telegrams and --link-type upper-pdu: leave them out")
     _check_ports(options)
     return Plan(settings, Filter(options.filter) if options.filter else None)
 
@@ -119,13 +119,13 @@ def _settings(options: CaptureOptions) -> LineSettings:
     fixed = [port for port in options.ports if port.startswith("socket://")]
     steered = "--baud auto" if options.baud is None else "--follow-baud" if options.follow_baud else ""
     if steered and options.framing != SIS:
-        raise UsageError(f"{steered} needs SIS telegrams: leave out --framing or {steered}")
+        raise Refusal(f"{steered} needs SIS telegrams: leave out --framing or {steered}")
     if steered and fixed:
-        raise UsageError(f"{steered} cannot change the rate behind {fixed[0]}: set it there, and leave out {steered}")
+        raise Refusal(f"{steered} cannot change the rate behind {fixed[0]}: set it there, and leave out {steered}")
     try:
         return LineSettings.parse(options.baud or RATES[0], options.format or FORMATS[0])
     except ValueError as error:
-        raise UsageError(str(error)) from error
+        raise Refusal(str(error)) from error
 
 
 def _size(options: CaptureOptions) -> float | None:
@@ -140,29 +140,29 @@ def _whole(number: float | None) -> int | None:
 def _check_limits(options: CaptureOptions) -> None:
     ring, size = options.ring, _size(options)
     if options.file is None and (size or ring or options.link_type != UPPER_PDU):
-        raise UsageError("-a filesize:, -b and --link-type need a file: say it with -w")
+        raise Refusal("-a filesize:, -b and --link-type need a file: say it with -w")
     if options.file == STANDARD_OUTPUT and ring:
-        raise UsageError("-b needs files: standard output is only one")
+        raise Refusal("-b needs files: standard output is only one")
     if options.file == STANDARD_OUTPUT and os.isatty(1):
-        raise UsageError("a terminal cannot show a pcapng file: add | wireshark -C SIS -k -i - or leave out -w")
+        raise Refusal("a terminal cannot show a pcapng file: add | wireshark -C SIS -k -i - or leave out -w")
     if ring and not size and "duration" not in ring:
-        raise UsageError("-b files: does not say when a file is full: add -b duration:SECONDS or -b filesize:KB")
+        raise Refusal("-b files: does not say when a file is full: add -b duration:SECONDS or -b filesize:KB")
     if "files" in options.autostop and not ring:
-        raise UsageError("-a files: needs several files: add -b duration:SECONDS or -b filesize:KB")
+        raise Refusal("-a files: needs several files: add -b duration:SECONDS or -b filesize:KB")
 
 
 def _check_ports(options: CaptureOptions) -> None:
     """Refuse a port that something would be written to, and the same port for both lines."""
     for port in options.ports:
         if options.file and ports.is_same_file(options.file, port):
-            raise UsageError(f"{options.file} is the port itself, which is never written to: choose a file with -w")
+            raise Refusal(f"{options.file} is the port itself, which is never written to: choose a file with -w")
         if ports.is_own_terminal(port):
-            raise UsageError(f"{port} is the terminal that sistap itself reads or writes: choose another port with -i")
+            raise Refusal(f"{port} is the terminal that sistap itself reads or writes: choose another port with -i")
     first, last = options.ports[0], options.ports[-1]
     if len(options.ports) > 1 and (first == last or ports.is_same_file(first, last)):
-        raise UsageError(f"{last} is the same port again: the second one is that of the other direction")
+        raise Refusal(f"{last} is the same port again: the second one is that of the other direction")
     if _host(first) != _host(last):
-        raise UsageError(
+        raise Refusal(
             f"{first} and {last} have two clocks, and their times cannot be compared: tap both at one computer"
         )
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from sistap.tap.line.settings import LineSettings, Read
 from sistap.tap.records.counters import faulty, surely_faulty
 from sistap.tap.records.record import Record
-from sistap.tap.sis.initialization import Change, Follow
+from sistap.tap.sis.initialization import Follow, RateChange
 from sistap.tap.sis.rates import RATES
 from sistap.tap.sis.telegram import MAX_LENGTH
 
@@ -49,11 +49,13 @@ class _Try:
 
     def in_vain(self, now_ns: int, silence_ns: int) -> bool:
         """Tell whether to move on; a line without a character gets `silence_ns`."""
-        errors = self.surely_faulty >= ENOUGH_ERRORS and self.surely_faulty * ACCIDENT > self.characters
-        garbage = self.characters >= ENOUGH_CHARACTERS
-        patience_ns = PAUSE_NS if self.characters else silence_ns
-        silence = now_ns - (self.last_ns or self.since_ns or now_ns) >= patience_ns
-        return errors or garbage or silence
+        if self.surely_faulty >= ENOUGH_ERRORS and self.surely_faulty * ACCIDENT > self.characters:
+            return True
+        if self.characters >= ENOUGH_CHARACTERS:
+            return True
+        if self.last_ns is not None:
+            return now_ns - self.last_ns >= PAUSE_NS
+        return self.since_ns is not None and now_ns - self.since_ns >= silence_ns
 
 
 class Scan:
@@ -146,7 +148,7 @@ class Steering:
         self._scan = Scan(formats, measure) if formats else None
         self._follows = follow
         self._follow: Follow | None = None
-        self._changed: Change | None = None  # followed, and no valid telegram since
+        self._changed: RateChange | None = None  # followed, and no valid telegram since
         self._changed_ns = 0
         self._characters = 0  # since then
         self._doubted = False  # the doubt was reported
@@ -199,12 +201,12 @@ class Steering:
             if change := self._follow.take(record.data, record.end_ns):
                 yield from self._changes(change, record.end_ns)
 
-    def _changes(self, change: Change, now_ns: int) -> Iterator[Step]:
+    def _changes(self, change: RateChange, now_ns: int) -> Iterator[Step]:
         if change.baud != self._settings.baud:
             self._changed, self._changed_ns, self._characters, self._doubted = change, now_ns, 0, False
             yield self._step(self._settings._replace(baud=change.baud), change.why)
 
-    def _doubt(self, change: Change) -> Iterator[Step]:
+    def _doubt(self, change: RateChange) -> Iterator[Step]:
         """React to a rate change without valid telegrams since. The bus may be silent, but not damaged."""
         search = bool(self._formats) and self._characters > 0
         if search or not self._doubted:

@@ -80,7 +80,7 @@ class Destination(Sink, Protocol):
 Opener = Callable[[Interfaces, Output, Counters, Audience], AbstractContextManager[Destination]]
 
 
-class _File(PcapngWriter):
+class _CountingFile(PcapngWriter):
     """A file that counts the records in it."""
 
     def __init__(self, output: Output, interfaces: Interfaces, counters: Counters) -> None:
@@ -104,7 +104,7 @@ class _File(PcapngWriter):
 
 @contextmanager
 def _file(interfaces: Interfaces, output: Output, counters: Counters, _: Audience) -> Iterator[Destination]:
-    yield _File(output, interfaces, counters)
+    yield _CountingFile(output, interfaces, counters)
 
 
 @contextmanager
@@ -147,7 +147,7 @@ def record(  # noqa: PLR0913 - it puts the parts together
             console,
             conditions(options, plan.only),
             quiet=options.quiet,
-            progress=bool(options.file) and not options.quiet and console.shows_progress,
+            progress=bool(options.file) and not options.quiet,
             remote=remote,
             reopen=ports.reopen if options.wait_for_port else None,
         )

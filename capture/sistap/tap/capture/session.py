@@ -11,7 +11,7 @@ from dataclasses import replace
 import sistap
 from sistap.tap.capture.hints import Exactness
 from sistap.tap.capture.rate import FORMATS, Steering, Step
-from sistap.tap.capture.tap import EVERYTHING, Conditions, Sink, Tap
+from sistap.tap.capture.tap import EVERYTHING, Conditions, Sink, Tapping
 from sistap.tap.files.output import Output, OutputError, ReaderGone
 from sistap.tap.line.clock import monotonic_ns
 from sistap.tap.line.reader import Exact, Measuring, PortError, PortLost, Reader, Several, Source, together
@@ -47,11 +47,13 @@ class Capture:
         remote: Callable[[Capture], None] | None = None,
         reopen: Callable[[Reader, LineSettings], Reader] | None = None,
         clock_ns: Callable[[], int] = monotonic_ns,
+        source: Source | None = None,
     ) -> None:
         """`quiet`: do not report that it runs; `progress`: show the counters every second.
 
         `remote` controls it: it is called at every turn. Whoever reads the capture ends it by no longer reading.
         `reopen` opens a lost port again, or raises PortError while it is not back. Without it, a lost port stays lost.
+        `source` is the readers as one, where nobody can wait for them: then `reading` is not called.
         """
         self._output = output
         self.counters = counters
@@ -64,7 +66,7 @@ class Capture:
         self._readers = list(readers)  # those whose ports are not lost
         self._reopen = reopen
         self._lost: dict[Reader, int] = {}  # they may come back; the time of each loss
-        self._tap = Tap(readers, sink, counters, clock_ns, conditions)
+        self._tap = Tapping(readers, sink, counters, clock_ns, conditions)
         self._exactness: dict[int, Exactness] = {}  # of each line
         self._steering = self._steering_of(readers[0].settings)
         self._steps: list[Step] = []  # not done yet
@@ -72,7 +74,8 @@ class Capture:
         self._port_lost = False
         self._refused: set[str] = set()  # settings that a port does not support, reported once
         self._started_ns = self._tick_ns = 0
-        self._source: Source
+        if source:
+            self._source = source
 
     def run(self, stop: Stop) -> int:
         """Capture until something ends it; return the exit code."""

@@ -53,7 +53,7 @@ EVERYTHING = Conditions()
 
 
 @dataclass
-class _Line:
+class _TappedLine:
     """A line: its port, what has come on it, and the hints given."""
 
     reader: Reader
@@ -61,7 +61,7 @@ class _Line:
     hints: Hints
 
 
-class Tap:
+class Tapping:
     """Brings reads to a sink. `now` is the time of the monotonic clock, in ns; events have the time of the line."""
 
     def __init__(
@@ -80,7 +80,7 @@ class Tap:
         self._count = conditions.count
         self._several = len(readers) > 1
         self._assembler = Assembler(conditions.cut)
-        self._lines: dict[int, _Line] = {}
+        self._lines: dict[int, _TappedLine] = {}
         self._last: Read | None = None
         for reader in readers:
             self.add_line(reader.line, reader)
@@ -89,7 +89,7 @@ class Tap:
         """Begin a line."""
         self._assembler.add_line(number, reader.settings, self._clock_ns())
         counters = Counters() if self._several else self._counters
-        self._lines[number] = _Line(reader, counters, self._new_hints(reader))
+        self._lines[number] = _TappedLine(reader, counters, self._new_hints(reader))
 
     def has(self, number: int) -> bool:
         """Tell whether the line exists: one port, a virtual bus, can bring several."""

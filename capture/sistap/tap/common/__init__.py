@@ -2,5 +2,5 @@
 """What several commands share, and a tap does not need.
 
 Output files (writing), temporary files (temporary), what other programs complain of (complaints), local time in every
-system (calendar), and work without Python's search for cycles (garbage). It may use terminal.
+system (calendar), tables of text (table), and work without Python's search for cycles (garbage). It may use terminal.
 """

@@ -10,22 +10,19 @@ from pathlib import Path
 from typing import Any
 
 from sistap.tap.terminal.advice import shell_word
+from sistap.tap.terminal.exits import FAILED, Refusal
 from sistap.tap.terminal.stop import held
 
 _ROOT = Path(__file__).resolve().parents[3]  # of the package sistap
 
 
-class NotInstalled(Exception):
-    """A package is missing that one option needs; the text is the line to show."""
-
-
 def needed(package: str) -> Any:
-    """Import a package that one command needs. NotInstalled says how to get it."""
+    """Import a package that one command needs. Refusal says how to get it."""
     try:
         with held():
             return importlib.import_module(package)
     except ImportError:
-        raise NotInstalled(missing(package)) from None
+        raise Refusal(missing(package), FAILED) from None
 
 
 def missing(package: str) -> str:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from sistap.tap.common.writing import Incomplete
+from sistap.tap.terminal.exits import FAILED, Refusal
 from sistap.tap.terminal.stop import held
 
 if sys.platform != "win32":
@@ -82,13 +82,14 @@ def folder() -> Iterator[Path]:
 
 @contextmanager
 def keeping(what: str) -> Iterator[None]:
-    """Write into TMPDIR; `what` describes it. Raise Incomplete if there is no room."""
+    """Write into TMPDIR; `what` describes it. Raise Refusal if there is no room."""
     try:
         yield
     except OSError as error:
-        raise Incomplete(
+        raise Refusal(
             f"{tempfile.gettempdir()} cannot keep {what}: {error.strerror}; make room, or name a larger folder with "
-            "TMPDIR"
+            "TMPDIR",
+            FAILED,
         ) from None
 
 
@@ -109,7 +110,7 @@ class Blobs:
             self._file.close()
 
     def put(self, blob: bytes) -> None:
-        """Append a blob. Incomplete if there is no room."""
+        """Append a blob. Refusal if there is no room."""
         with keeping(self._what):
             self._file.seek(self._ends[-1])
             self._file.write(blob)

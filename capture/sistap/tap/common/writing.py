@@ -18,20 +18,12 @@ from pathlib import Path
 from typing import BinaryIO
 
 from sistap.tap.terminal.console import STANDARD_OUTPUT, is_reader_gone, leave_standard_output
-from sistap.tap.terminal.exits import Error
+from sistap.tap.terminal.exits import FAILED, Refusal
 from sistap.tap.terminal.state import HeldOpenError, closed
 from sistap.tap.terminal.stop import held
 from sistap.tap.terminal.writing import WINDOWS_PIPES, lock, mode_like, no_link
 
 _CURE = "name another file with -o"
-
-
-class NotOpened(Exception):
-    """FILE cannot be written; the text is the line to show."""
-
-
-class Incomplete(Error):
-    """The disk is full; the text is the line to show."""
 
 
 def make_folder(folder: Path, mode: int) -> None:
@@ -75,7 +67,7 @@ def opened(
 ) -> Iterator[BinaryIO]:
     """Open the output, standard output without a path; whoever may read it may read all `sources`.
 
-    A file that `grows` is in its place from the beginning. May raise NotOpened, and Incomplete at the end.
+    A file that `grows` is in its place from the beginning. May raise Refusal, also at the end.
     """
     if path is None or path == STANDARD_OUTPUT:
         with _standard_output(cure):
@@ -97,9 +89,9 @@ def opened(
             with held():
                 new.replace()
     except HeldOpenError as error:
-        raise Incomplete(str(error)) from None
+        raise Refusal(str(error), FAILED) from None
     except OSError as error:
-        raise Incomplete(f"{path} is incomplete: {error.strerror}; make room, or {cure}") from None
+        raise Refusal(f"{path} is incomplete: {error.strerror}; make room, or {cure}", FAILED) from None
     finally:
         if new:
             with held():
@@ -107,7 +99,7 @@ def opened(
 
 
 def growing(path: str, sources: Sequence[str | Path] = (), *, force: bool = False, cure: str = _CURE) -> BinaryIO:
-    """Open a file that others may read while it is written, with an empty file in its place. May raise NotOpened."""
+    """Open a file that others may read while it is written, with an empty file in its place. May raise Refusal."""
     with _refusing(path, cure):
         if _is_file(path, cure, force=force):
             Path(path).unlink(missing_ok=True)
@@ -120,11 +112,11 @@ def _refusing(path: str, cure: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise NotOpened(f"cannot write {path}: {error.strerror}; {cure}") from None
+        raise Refusal(f"cannot write {path}: {error.strerror}; {cure}") from None
 
 
 def _is_file(path: str, cure: str, *, force: bool) -> bool:
-    """Tell whether it is a file, or will be one. NotOpened if it must stay; OSError."""
+    """Tell whether it is a file, or will be one. Refusal if it must stay; OSError."""
     if path.startswith(WINDOWS_PIPES):
         return False
     no_link(path)
@@ -135,9 +127,9 @@ def _is_file(path: str, cure: str, *, force: bool) -> bool:
     if not stat.S_ISREG(found.st_mode):
         return False
     if found.st_size and not force:
-        raise NotOpened(f"{path} holds data already: {cure}, or overwrite it with --force")
+        raise Refusal(f"{path} holds data already: {cure}, or overwrite it with --force")
     if _is_locked(Path(path)):
-        raise NotOpened(f"{path} is being written by a capture: {cure}")
+        raise Refusal(f"{path} is being written by a capture: {cure}")
     return True
 
 
@@ -150,7 +142,7 @@ def _standard_output(cure: str) -> Iterator[None]:
         if is_reader_gone(error):
             raise  # needs no message
         leave_standard_output()
-        raise Incomplete(loss(error, cure)) from None
+        raise Refusal(loss(error, cure), FAILED) from None
 
 
 def loss(error: OSError, cure: str = "") -> str:

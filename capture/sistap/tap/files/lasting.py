@@ -20,7 +20,7 @@ PATIENCE_S = 2.0  # at the end, for a disk that does not answer
 _NOTHING_TO_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.EROFS)  # of the file system, not of the disk
 
 
-class _File:
+class _SyncedFile:
     """A file with a descriptor of its own: the writer may close its own at any time."""
 
     def __init__(self, descriptor: int, path: Path) -> None:
@@ -51,14 +51,14 @@ class Lasting:
         """Start the thread with the priority of its starter, so that it never delays the starter."""
         self.trouble = ""  # of the disk, in the system's words
         self._written = False  # since the last round
-        self._files: deque[_File] = deque()  # the last is that of now
+        self._files: deque[_SyncedFile] = deque()  # the last is that of now
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
     def follow(self, descriptor: int, path: str) -> None:
         """Continue with this file. Data of the one before are still synced."""
-        self._files.append(_File(descriptor, Path(path)))
+        self._files.append(_SyncedFile(descriptor, Path(path)))
         self._written = True
 
     def note(self) -> None:
@@ -86,7 +86,7 @@ class Lasting:
             self._written = False
             self._sync(self._files[0])
 
-    def _sync(self, file: _File) -> None:
+    def _sync(self, file: _SyncedFile) -> None:
         try:
             file.sync()
         except OSError as error:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 from sistap.tap.files.lasting import PROMISED_S, Lasting
 from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.console import PIECE, STANDARD_OUTPUT, is_reader_gone, never_waiting
-from sistap.tap.terminal.exits import Error
+from sistap.tap.terminal.exits import FAILED, Refusal
 from sistap.tap.terminal.programs import typed
 from sistap.tap.terminal.writing import WINDOWS_PIPES, lock, mode_like, no_link
 
@@ -34,15 +34,17 @@ _WAIT_MS = 100  # upper bound on the time to stop
 _PAUSE_S = 0.01  # a terminal may report room and then not accept anything
 
 
-class OutputError(Error):
+class OutputError(Refusal):
     """No more can be written; str() is the line to show."""
+
+    code = FAILED
 
 
 class ReaderGone(OutputError):
     """Nobody reads the pipe any more."""
 
 
-class OutputRefused(Error):
+class OutputRefused(Refusal):
     """The output cannot be written to; str() is the line to show, of a command."""
 
     def __init__(self, what: str, cure: str = "; choose another file with -w") -> None:
@@ -51,7 +53,7 @@ class OutputRefused(Error):
         self.what = what
 
 
-class Limits(NamedTuple):
+class FileLimits(NamedTuple):
     """When a file is full, and how many files there may be; None: no limit."""
 
     size: int | None = None  # bytes of a file
@@ -61,7 +63,7 @@ class Limits(NamedTuple):
     files: int | None = None  # stop after this many files
 
 
-NO_LIMITS = Limits()
+NO_LIMITS = FileLimits()
 
 
 def file_name(path: str, number: int, seconds: float) -> str:
@@ -79,7 +81,7 @@ class Output:
     def __init__(  # noqa: PLR0913 - where to, how much, and whom to ask and to tell
         self,
         path: str,
-        limits: Limits = NO_LIMITS,
+        limits: FileLimits = NO_LIMITS,
         stopped: Callable[[], bool] = lambda: False,
         say: Callable[[str], None] = lambda _: None,
         *,
@@ -107,8 +109,8 @@ class Output:
             self._file.close()
             cure = ": choose another file with -w, or overwrite it with --force"
             raise OutputRefused(f"{path} holds data already", cure)
-        self._before: _File | None = None  # the last closed one of several files
-        self._next: _File | None = None
+        self._before: _OpenFile | None = None  # the last closed one of several files
+        self._next: _OpenFile | None = None
         self._kept = deque([self._file.path])  # all names if the oldest files are deleted, else only the first
         self._lasting: Lasting | None = None
         self._doubted = False  # disk trouble was reported
@@ -228,7 +230,7 @@ class Output:
     def __str__(self) -> str:
         return self._file.name
 
-    def _last(self) -> tuple[int, _File | None]:
+    def _last(self) -> tuple[int, _OpenFile | None]:
         """Return the number of files, and the last one. A new one without contents does not count: it is removed."""
         empty = self._file.is_new_and_empty
         return (self._number - 1, self._before) if empty else (self._number, self._file)
@@ -263,14 +265,14 @@ class Output:
                 "capture to another disk"
             )
 
-    def _open(self, number: int = 1) -> _File:
+    def _open(self, number: int = 1) -> _OpenFile:
         if not self._limits.several:
-            return _File(self._base, self._sources, is_new=self._is_new)
+            return _OpenFile(self._base, self._sources, is_new=self._is_new)
         seconds = time.time()
         while True:
             path = self._opened = file_name(self._base, number, seconds)
             try:
-                return _File(path, self._sources, is_new=path != self._base)
+                return _OpenFile(path, self._sources, is_new=path != self._base)
             except FileExistsError:  # of a capture that ended a moment ago: started anew, this one must not empty it
                 seconds += 1
 
@@ -280,7 +282,7 @@ class Output:
         return OutputError(f"{self}: {error.strerror}; everything before it is saved")
 
 
-class _File:
+class _OpenFile:
     """A file, pipe or terminal open for writing; `size` is the number of bytes written to it."""
 
     def __init__(self, path: str, sources: Sequence[str | Path], *, is_new: bool) -> None:

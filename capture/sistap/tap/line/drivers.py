@@ -12,7 +12,7 @@ import enum
 from typing import NamedTuple
 
 
-class Place(enum.Enum):
+class ErrorPlace(enum.Enum):
     """Where a damaged character is, as far as a driver says. The value is for a table."""
 
     CHARACTER = "at the character"
@@ -27,7 +27,7 @@ class Driver(NamedTuple):
 
     names: tuple[str, ...]  # as sysfs has them
     adapters: str  # for people
-    place: Place
+    place: ErrorPlace
     counts: bool = False  # it counts line errors, and so lost characters
     breaks: bool = False  # a break differs from a damaged 00
     begins_late: bool = False  # on a busy line, the first character may be a false 00
@@ -42,8 +42,8 @@ class Driver(NamedTuple):
     def explanation(self) -> str:
         """Return all that a user should know, in sentences without the last full stop; empty if nothing is known."""
         limits = (
-            (self.place == Place.NOWHERE, "A damaged character looks like a good one"),
-            (self.place == Place.NOWHERE, "FTDI and CP210x adapters report line errors"),
+            (self.place == ErrorPlace.NOWHERE, "A damaged character looks like a good one"),
+            (self.place == ErrorPlace.NOWHERE, "FTDI and CP210x adapters report line errors"),
             (self.errors and not self.breaks, "A break looks like any other error"),
             (self.errors and not self.counts, "Lost characters are not reported"),
         )
@@ -52,7 +52,7 @@ class Driver(NamedTuple):
     @property
     def errors(self) -> bool:
         """Tell whether it is known to report line errors."""
-        return self.place not in (Place.NOWHERE, Place.UNKNOWN)
+        return self.place not in (ErrorPlace.NOWHERE, ErrorPlace.UNKNOWN)
 
     def warning(self, port: str) -> str:
         """Return a message about a port for the beginning of a capture, if its line errors say less than usual."""
@@ -68,11 +68,11 @@ def reports(description: str) -> bool | None:
 
 NOT_REPORTED = "no line errors are reported"
 _CLAUSES = {
-    Place.CHARACTER: "line errors at their character",
-    Place.PACKET: "line errors somewhere in their USB packet",
-    Place.READ: "line errors somewhere in their read or beside it",
-    Place.NOWHERE: NOT_REPORTED,
-    Place.UNKNOWN: "",
+    ErrorPlace.CHARACTER: "line errors at their character",
+    ErrorPlace.PACKET: "line errors somewhere in their USB packet",
+    ErrorPlace.READ: "line errors somewhere in their read or beside it",
+    ErrorPlace.NOWHERE: NOT_REPORTED,
+    ErrorPlace.UNKNOWN: "",
 }
 _UPORT = ("mxuport", "quatech-serial")
 _EDGEPORT = ("edgeport_2", "edgeport_4", "edgeport_8", "epic", "edgeport_ti_1", "edgeport_ti_2")
@@ -81,14 +81,14 @@ _SILENT = (
     *("ti_usb_3410_5052_2", "kl5kusb105d", "keyspan_pda", "whiteheat", "upd78f0730", "generic"),
 )
 
-UART = Driver((), "8250, 16550: ports without USB", Place.CHARACTER, counts=True, breaks=True)
-UNKNOWN = Driver((), "any other", Place.UNKNOWN)
+UART = Driver((), "8250, 16550: ports without USB", ErrorPlace.CHARACTER, counts=True, breaks=True)
+UNKNOWN = Driver((), "any other", ErrorPlace.UNKNOWN)
 DRIVERS = (
     UART,
     Driver(
         ("cp210x",),
         "CP210x, from Linux 5.10 on",
-        Place.CHARACTER,
+        ErrorPlace.CHARACTER,
         counts=True,
         breaks=True,
         begins_late=True,
@@ -98,7 +98,7 @@ DRIVERS = (
     Driver(
         ("ftdi_sio",),
         "FTDI: FT232, FT2232 ...",
-        Place.PACKET,
+        ErrorPlace.PACKET,
         counts=True,
         breaks=True,
         caveat="A damaged character that is alone in its packet is marked. After a break, Linux may "
@@ -107,33 +107,33 @@ DRIVERS = (
     Driver(
         ("pl2303", "belkin", "digi_2", "digi_4", "earthmate", "cyphidcom", "nokiaca42v2"),
         "PL2303; Belkin, Digi AccelePort, Cypress M8",
-        Place.PACKET,
+        ErrorPlace.PACKET,
         caveat="The damaged character may also be beside the packet. After a break, Linux makes 00 of all characters "
         "of a packet. So a 00 with such an error is doubtful",
     ),
-    Driver(("ark3116", "ssu100"), "ARK3116, SSU-100", Place.PACKET, counts=True, caveat="As PL2303"),
+    Driver(("ark3116", "ssu100"), "ARK3116, SSU-100", ErrorPlace.PACKET, counts=True, caveat="As PL2303"),
     Driver(
         ("cdc_acm",),
         "CDC ACM: `ttyACM0`",
-        Place.READ,
+        ErrorPlace.READ,
         counts=True,
         breaks=True,
         caveat="Errors come by another way than the characters. So the next two reads are marked, too. If a device "
         "tells of an error still earlier or later, the damaged character has no mark",
     ),
-    Driver((*_UPORT, *_EDGEPORT), "Moxa UPort, Quatech, Edgeport", Place.READ, counts=True, caveat="As CDC ACM"),
+    Driver((*_UPORT, *_EDGEPORT), "Moxa UPort, Quatech, Edgeport", ErrorPlace.READ, counts=True, caveat="As CDC ACM"),
     Driver(
         ("f81232", "f81534", "f81534a", "keyspan_1", "keyspan_2", "keyspan_4"),
         "Fintek F81232, F81534; Keyspan",
-        Place.CHARACTER,
+        ErrorPlace.CHARACTER,
     ),
     Driver(
         ("ch341-uart",),
         "CH340, CH341",
-        Place.NOWHERE,
+        ErrorPlace.NOWHERE,
         caveat="Chips of a version below 0x30 never get the format, and Linux does not tell",
     ),
-    Driver(_SILENT, "MCT U232, MosChip, OTi-6858, SPCP8x5, XR21, TI 3410 ...", Place.NOWHERE),
+    Driver(_SILENT, "MCT U232, MosChip, OTi-6858, SPCP8x5, XR21, TI 3410 ...", ErrorPlace.NOWHERE),
 )
 _BY_NAME = {name: driver for driver in DRIVERS for name in driver.names}
 

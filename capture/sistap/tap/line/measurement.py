@@ -55,7 +55,7 @@ def load() -> tuple[list[Result], str]:
             return [], ""
         if state.is_root():
             state.check(path)
-        return _parse(_text(path)), ""
+        return [_checked(Result(**entry)) for entry in json.loads(_text(path))["results"]], ""
     except (ValueError, TypeError, KeyError, RecursionError):
         return [], f"{path} is not what `sistap selftest` writes and is ignored: run it again to replace the file"
     except (OSError, RuntimeError) as error:
@@ -96,11 +96,6 @@ def _text(path: Path) -> str:
     if not path.is_file() or path.stat().st_size > _LARGEST_FILE:  # reading a pipe would block
         raise ValueError
     return path.read_bytes().decode()
-
-
-def _parse(text: str) -> list[Result]:
-    """Parse the results in a file; ValueError, TypeError, KeyError or RecursionError if it contains something else."""
-    return [_checked(Result(**entry)) for entry in json.loads(text)["results"]]
 
 
 def _checked(result: Result) -> Result:

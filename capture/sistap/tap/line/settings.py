@@ -15,6 +15,11 @@ STOP_HALF_BITS = {"1": 2, "1.5": 3, "2": 4}
 UNCERTAINTY_UNKNOWN = 0xFFFFFFFF
 
 
+def in_ms(uncertainty_ns: int) -> str:
+    """Write an uncertainty in ms."""
+    return "unknown" if uncertainty_ns >= UNCERTAINTY_UNKNOWN else f"{uncertainty_ns / 1e6:.2f} ms"
+
+
 class Flag(enum.IntFlag):
     """What is known about one received character, as stored in the record."""
 

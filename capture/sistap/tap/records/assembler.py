@@ -54,7 +54,7 @@ class Order:
 
 
 @dataclass
-class _Line:
+class _FramedLine:
     """A line, and its state."""
 
     framer: Framer
@@ -70,13 +70,13 @@ class Assembler:
 
     def __init__(self, cut: Cut = SIS) -> None:
         """Cut frames as `cut` says."""
-        self._lines: dict[int, _Line] = {}
+        self._lines: dict[int, _FramedLine] = {}
         self._order = Order()
         self.cut = cut
 
     def add_line(self, number: int, settings: LineSettings, now_ns: int) -> None:
         """Begin a line."""
-        self._lines[number] = _Line(self.cut.framer(number, settings), now_ns)
+        self._lines[number] = _FramedLine(self.cut.framer(number, settings), now_ns)
 
     @property
     def lines(self) -> Sequence[int]:

@@ -26,12 +26,18 @@ def interval_text(interval_ns: int) -> str:
     return f"{'more than ' if interval_ns == INTERVAL_MAX else ''}{interval_ns / 1e6:.3f} ms"
 
 
+def ms(time_s: float) -> str:
+    """Write a time as the dissector writes it."""
+    return interval_text(round(time_s * 1e9))
+
+
 class Type(enum.IntEnum):
     """The contents of a record."""
 
     FRAME = 0
     OTHER = 1
     EVENT = 2
+    BEFORE = 3  # a frame from before this file: learned from, not counted, not judged
 
 
 class Framing(enum.IntEnum):
@@ -53,7 +59,7 @@ class Event(enum.IntEnum):
     ADAPTER_LOST = 4
     MARKER = 5
     LIMITS_TOLD = 6  # by the user; the text is for the dissector: TzA = 8 ms, TrS = 20 ms
-    TOLD_BEFORE = 7  # at the beginning of a file that continues another: facts from before, one in a line
+    TOLD_BEFORE = 7  # facts from before, of earlier versions: see Type.BEFORE
 
     @classmethod
     def _missing_(cls, value: object) -> Event | None:

@@ -16,6 +16,11 @@ def milliseconds(text: str) -> int:
     raise ValueError(f"'{text}' is not a whole number of milliseconds from 1 to {LARGEST_MS}")
 
 
+def limit_text(limit_s: float) -> str:
+    """Write a limit, which is a whole number of ms."""
+    return f"{limit_s * 1e3:g} ms"
+
+
 def told(limits_ms: Mapping[str, int | None]) -> str:
     """Return limits as text that the dissector reads in a capture; empty if there are none."""
     return ", ".join(f"{NAMES[name]} = {value} ms" for name, value in limits_ms.items() if value)

@@ -92,10 +92,6 @@ _ERASE = "\r\x1b[K"
 class Audience(Protocol):
     """The receiver of a capture's messages: a user at a terminal, or a program with windows of its own."""
 
-    @property
-    def shows_progress(self) -> bool:
-        """Tell whether progress() shows anything."""
-
     def say(self, text: str) -> None:
         """Show one line."""
 
@@ -136,7 +132,9 @@ class Console:
         self.say(text)
 
     def progress(self, text: str) -> None:
-        """Show a line instead of the one before, cut to the width of the terminal."""
+        """Show a line instead of the one before, cut to the width of the terminal, if it is one that can."""
+        if not self.shows_progress:
+            return
         text = visible(text)
         with contextlib.suppress(OSError):
             columns = os.get_terminal_size(self._stream).columns  # Windows knows it for the standard streams only

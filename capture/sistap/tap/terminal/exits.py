@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How a command ends: the exit codes, which `sistap --help` explains, and wrong usage."""
+"""How a command ends: the exit codes, which `sistap --help` explains, and what refuses to begin or to go on."""
 
 from __future__ import annotations
 
@@ -10,12 +10,22 @@ DONE, FAILED, USAGE, PORT = 0, 1, 2, 3
 _Value = TypeVar("_Value")
 
 
-class Error(Exception):
-    """What the library raises: each is derived from it; str() is one line that says what is wrong, and what to do."""
+class Refusal(Exception):
+    """What ends a command: its text is the line to show, which says what is wrong and what to do; and the exit code.
+
+    Those derived from it are the library's, or somebody goes on after them; each has its code.
+    """
+
+    code = USAGE
+
+    def __init__(self, text: str, code: int | None = None) -> None:
+        super().__init__(text)
+        if code is not None:
+            self.code = code
 
 
-class UsageError(Error):
-    """Invalid options or files; str() is the line to show, and the command ends with USAGE."""
+class NotCaptured(Refusal, ValueError):
+    """The file cannot be read as a capture; the text is one line with the cure."""
 
 
 def argument(parse: Callable[[str], _Value]) -> Callable[[str], _Value]:

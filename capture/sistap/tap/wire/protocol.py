@@ -109,7 +109,7 @@ class Decoder:
         start = _SIZES[kind]
         if len(pending) < start:
             return None
-        size = start + _LENGTHS.get(kind, _no_length)(pending)
+        size = start + (_LENGTHS[kind](pending) if kind in _LENGTHS else 0)
         if len(pending) < size:
             return None
         message = _MAKE[kind](bytes(pending[:start]), bytes(pending[start:size]))
@@ -145,10 +145,6 @@ def _settings(message: bytes, _: bytes) -> LineSettings:
     if parity >= len(PARITIES) or stop not in STOP_HALF_BITS.values() or not 5 <= data_bits <= 8:
         raise ValueError(_STRANGER)
     return LineSettings(baud, data_bits, PARITIES[parity], stop)
-
-
-def _no_length(_: bytearray) -> int:
-    return 0
 
 
 # How many bytes follow the beginning of a message, and how to decode it.

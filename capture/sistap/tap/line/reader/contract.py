@@ -6,14 +6,16 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 from sistap.tap.line.settings import LineSettings, Read
-from sistap.tap.terminal.exits import Error
+from sistap.tap.terminal.exits import FAILED, PORT, Refusal
 
 READ_SIZE = 4096  # as much as the line discipline of Linux holds
 STEP_MS = 10  # longest sleep; a longer one means that the process was suspended
 
 
-class PortError(Error):
+class PortError(Refusal):
     """A port cannot be opened; the text is one line that names the cure."""
+
+    code = PORT
 
 
 def needs_rate(port: str) -> PortError:
@@ -21,8 +23,10 @@ def needs_rate(port: str) -> PortError:
     return PortError(f"{port} needs a rate: give it with --baud")
 
 
-class PortLost(Error):
+class PortLost(Refusal):
     """A port was lost while it was read; the text is one line that names the cure."""
+
+    code = FAILED
 
     def __init__(self, text: str, line: int = 0) -> None:
         super().__init__(text)

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from sistap.tap.line.drivers import Driver, Place
+from sistap.tap.line.drivers import Driver, ErrorPlace
 from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, Flag, Read
 
 # A counter is ahead by no more than two reads. Only reads after a sleep count: otherwise the process is late, and much
@@ -205,7 +205,7 @@ class _ByCharacter(_Finder):
 
     def __init__(self, driver: Driver) -> None:
         self._open: deque[_Counted] = deque()
-        self._believed = driver.place in (Place.UNKNOWN, Place.NOWHERE)  # until it has counted something
+        self._believed = driver.place in (ErrorPlace.UNKNOWN, ErrorPlace.NOWHERE)  # until it has counted something
 
     def find(self, held: _Held, start: int, moved: Counts, *, slept: bool) -> None:
         """Assign marks to counts."""
@@ -353,8 +353,8 @@ class _ByRead(_Finder):
         self._reads = 0
 
 
-_FINDERS: Mapping[Place, Callable[[Driver], _Finder]] = {
-    **dict.fromkeys((Place.CHARACTER, Place.NOWHERE, Place.UNKNOWN), _ByCharacter),
-    Place.PACKET: _ByPacket,
-    Place.READ: _ByRead,
+_FINDERS: Mapping[ErrorPlace, Callable[[Driver], _Finder]] = {
+    **dict.fromkeys((ErrorPlace.CHARACTER, ErrorPlace.NOWHERE, ErrorPlace.UNKNOWN), _ByCharacter),
+    ErrorPlace.PACKET: _ByPacket,
+    ErrorPlace.READ: _ByRead,
 }

@@ -10,7 +10,7 @@ from sistap.tap.line import measurement, ports
 from sistap.tap.line.ports import Adapter
 from sistap.tap.line.reader.computer import measured_ns
 from sistap.tap.line.reader.contract import STEP_MS
-from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings
+from sistap.tap.line.settings import UNCERTAINTY_UNKNOWN, LineSettings, in_ms
 
 # A 16550 raises its interrupt at its trigger level, or four character times after the last character. In the first
 # case, the first of trigger - 1 characters has waited for trigger - 2 more.
@@ -62,15 +62,15 @@ def bound(before: Known, port: str, behind: Adapter, settings: LineSettings) -> 
     held_ns, why = _held(behind, settings)
     least_ns = result.p999_ns if result else 0
     if result and least_ns >= held_ns + machine_ns:
-        how = f"uncertainty {_ms(least_ns)}, measured by selftest of the port on {result.date}{_SINCE}"
+        how = f"uncertainty {in_ms(least_ns)}, measured by selftest of the port on {result.date}{_SINCE}"
         return Bound(held_ns, least_ns, how, notes)
-    parts = f": {why} and {_ms(machine_ns)}" if why else ""
+    parts = f": {why} and {in_ms(machine_ns)}" if why else ""
     silent = not result and not why and behind.fifo_trigger is None and not behind.pseudo_terminal
     unknown = ""
     if silent:
         unknown = "; what the adapter adds is not known"
         notes = (*notes, _unknown(port))
-    return Bound(held_ns, least_ns, f"uncertainty {_ms(held_ns + machine_ns)}{parts}, {before.how}{unknown}", notes)
+    return Bound(held_ns, least_ns, f"uncertainty {in_ms(held_ns + machine_ns)}{parts}, {before.how}{unknown}", notes)
 
 
 def uncertainty_ns(  # noqa: PLR0913 - everything known about a read
@@ -118,7 +118,3 @@ def _unknown(port: str) -> str:
         f"{port}: the delay of its adapter is not known and not in the uncertainty; off the bus, "
         f"with its wires joined, `sistap selftest -i {port} --transmit` measures it"
     )
-
-
-def _ms(ns: int) -> str:
-    return f"{ns / 1e6:.2f} ms"
