@@ -75,6 +75,13 @@ def test_the_smallest_safe_tza_is_the_longest_interval_with_its_uncertainty() ->
     ]  # of equal ones the first; 1.8 ms less a character are 0.654 ms
 
 
+def test_of_equal_ones_the_first_counts_also_where_packets_are_counted_together() -> None:
+    alike, times = object(), ((0.0001, 1.2, 5), (0.0002, 1.5, 7), (0.0003, 1.5, 9))  # all in one slice of the curves
+    packets = [at(second, paused(time_ms, place=place), number=place) for second, time_ms, place in times]
+    packets[0].alike = packets[2].alike = alike
+    assert row(tables.pauses(report(*packets)), "Before character") == "7"
+
+
 @pytest.mark.parametrize(
     ("longest_ms", "safe", "alone"),
     [(1.7, "2 ms", "1 ms"), (1.701, "3 ms", "1 ms"), (1.845, "3 ms", "1 ms"), (1.846, "3 ms", "2 ms")],
@@ -243,6 +250,11 @@ def test_records_of_all_kinds() -> None:
     between = "half within 2.000 ms, the longest 3.000 ms"
     assert said_["Intervals in other frames"] == f"3, from character to character: {between}"
     assert (said_["Duration"], said_["Line"]) == ("8.009 s", "9600 Bd 8E1")
+
+
+def test_ports_have_their_names() -> None:
+    assert said(tables.summary(report(at(0, interface="COM3"), at(1, interface="COM4"))))["Ports"] == "COM3, COM4"
+    assert said(tables.summary(report(at(0))))["Ports"] == "not named"
 
 
 def test_intervals_in_one_read() -> None:

@@ -13,6 +13,7 @@ from sistap.commands.parameters.writing import list_as_csv, list_as_text
 from sistap.dissected.accesses.access import Access
 from sistap.dissected.accesses.listing import Listing, Place
 from sistap.dissected.telegrams.attribute import Attribute, Format
+from sistap.dissected.telegrams.values import encoded
 from sistap.dissected.wireshark.rows import NotACapture
 
 SPEED = "S-0-0040"
@@ -120,6 +121,13 @@ def test_a_parameter_set_is_in_the_number_of_the_table() -> None:
     row = '"S","0040","Speed","rpm","0x04220001","-1.0000 rpm","1.0000 rpm","3"'
     assert [*user_table.lines(drive, "3")] == [row]
     assert next(user_table.lines(other, "")).startswith('"P","2-0012","\\x22n\\x5c",')
+
+
+@pytest.mark.parametrize(("fraction", "ns"), [("", 0), (".5", 500_000_000), (".000000001", 1)])
+def test_a_time_may_have_a_fraction(fraction: str, ns: int) -> None:
+    """Four bytes of seconds since 1970, four of nanoseconds."""
+    time = encoded(Attribute.of(8, Format.TIME), f"1970-01-02T00:00:01{fraction}Z")
+    assert time == (86_401).to_bytes(4, "little") + ns.to_bytes(4, "little")
 
 
 def test_parameters_are_sorted_by_their_numbers() -> None:

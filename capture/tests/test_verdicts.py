@@ -40,6 +40,7 @@ from test_kinds import (
     phases,
     reaction,
     reads,
+    refused,
     run,
     stamped,
     talk,
@@ -52,10 +53,11 @@ from sistap.dissected.episodes.baseline import unlike
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.levels import Levels, goes_on
+from sistap.dissected.episodes.lines import lines
 from sistap.dissected.episodes.live import Live
 from sistap.dissected.episodes.machine import Machine as Drives
 from sistap.dissected.episodes.readings import Reading, reading
-from sistap.dissected.episodes.rules import THRESHOLDS, Severity
+from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Subject
 from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.trend import Slots, quartiles, trend
 from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
@@ -308,6 +310,7 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("", writes("P-0-0123", (PLC, 12), (PLC, 12))),
     ("drift", told("S-0-0051", RISES, every_s=30, unit="mm")),  # a position
     ("master", turn(9, 200)),  # a control that takes turns
+    ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
     ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
     ("error", refuse(0x10)),  # what is asked for is not known
     ("changed", reads(*[access(5, "P-0-0222", one) for one in [1000] * 20 + [1010] * 5 + [1000] * 5], every_s=10)),
@@ -330,13 +333,18 @@ def test_a_visitor_with_a_token_is_told() -> None:
     ]
 
 
-def test_what_two_visitors_write_at_once_is_told_apart() -> None:
+@pytest.mark.parametrize(
+    ("masters", "said"),
+    [
+        ((103, 104), ["station 3 P-0-0123 12 rpm by new master 103", "station 4 P-0-0123 12 rpm by new master 104"]),
+        ((103, 103), ["stations 3, 4 P-0-0123 12 rpm by new master 103"]),
+    ],
+)
+def test_what_visitors_write_at_once_is_told_by_its_author(masters: tuple[int, int], said: Sequence[str]) -> None:
     machine = Machine()
-    then(run(150), *(do("write", station, "P-0-0123", 12, master=100 + station) for station in (3, 4)))(machine)
-    assert [one.detail.partition(";")[0] for one in machine.told().of("write")] == [
-        "12 rpm by new master 103",
-        "12 rpm by new master 104",
-    ]
+    stations = zip((3, 4), masters, strict=True)
+    then(run(150), *(do("write", station, "P-0-0123", 12, master=master) for station, master in stations))(machine)
+    assert [f"{one.who} {one.detail.partition(';')[0]}" for one in machine.told().of("write")] == said
 
 
 @pytest.mark.parametrize(("since_s", "count"), [(0, 1), (1200, 1), (2400, 0)])
@@ -346,6 +354,26 @@ def test_a_drift_is_one_of_the_time_that_is_told(since_s: float, count: int) -> 
     machine.engine = Engine(since_s=BEGIN_S + since_s)
     told(TORQUE, RISES, every_s=30, unit="%")(machine)
     assert len(machine.told().of("drift")) == count
+
+
+def test_four_warnings_are_told_one_by_one_and_four_faults_as_one() -> None:
+    def drives(kind: str) -> str:
+        found = [
+            Episode.of(Hit(kind, n, 100.0 * n, 100.0 * n, 3, detail=f"number {n}", topic="F2028")) for n in range(1, 5)
+        ]
+        return lines(found, 0, 1000)[Subject.DRIVES].text
+
+    assert drives("beyond").count("station 3 number ") == 4
+    assert drives("fault").startswith("Drives: Fault F2028 4 times, station 3 (")
+
+
+def test_what_a_good_capture_refused_too_is_no_fault() -> None:
+    good = Machine()
+    refused(is_known=True)(good)
+    assert good.told().kinds == ["error"]
+    machine = Machine(before=good.engine)
+    refused(is_known=True)(machine)
+    assert machine.told().kinds == ["never"]
 
 
 def test_many_stops_are_one_phrase() -> None:
@@ -372,8 +400,15 @@ def test_what_begins_is_told_at_once() -> None:
         live.add(packet(BEGIN_S + n, telegram(5, PLC, is_reaction=True), accesses=[one])) for n, one in enumerate(said)
     ]
     assert [[hit.kind for hit in hits] for hits in found] == [[], ["fault"], [], ["fault"]]
-    visitor = telegram(LAPTOP, 3)
-    assert [hit.detail for hit in live.add(packet(BEGIN_S + 10, visitor))] == []  # whoever asks at first is usual
+
+
+def test_a_visitor_is_told_at_once_but_not_his_tokens() -> None:
+    live = Live()
+    for second in range(250):
+        live.add(packet(BEGIN_S + second, telegram(PLC, 3)))
+    assert live.add(packet(BEGIN_S + 250, telegram(LAPTOP, PLC, service=0x0F))) == []
+    (hit,) = live.add(packet(BEGIN_S + 251, telegram(LAPTOP, 3)))
+    assert (hit.kind, hit.station, hit.detail) == ("master", 3, "asked by new master 127")
 
 
 # -- While it happens ------------------------------------------------------------------------------------------------
@@ -385,6 +420,13 @@ def test_a_silence_of_three_seconds_is_one() -> None:
         for second in range(60):
             silence.add(packet(second / 2, telegram(PLC, 3)))
         assert len([*silence.add(packet(29.5 + silence_s, telegram(PLC, 3)))]) == count
+
+
+def test_a_silence_under_way_is_one_from_three_seconds_on() -> None:
+    silence = BusSilence()
+    for second in range(60):
+        silence.add(packet(second / 2, telegram(PLC, 3)))
+    assert silence.under_way(32.49) == () and len([*silence.under_way(32.5)]) == 1
 
 
 def test_a_silence_that_lasts_is_told_once() -> None:
@@ -572,6 +614,15 @@ def test_noise_is_no_level() -> None:
     assert unusual(levels((100, 200), (108, 50), (100, 200), by=2.0)) == []
 
 
+def test_a_step_is_small_beside_later_noise() -> None:
+    """By 15; later, the median deviation is 2: eight times the scatter are 23.7."""
+    made = levels((100, 100), (115, 20), (100, 50), by=0.5)
+    assert [severity for _, _, severity in unusual(made)] == [LOOK]
+    for number in range(170, 500):
+        made.add(2.0 * number, 100 + (0, 4, 0, -4)[number % 4], number)
+    assert [severity for _, _, severity in unusual(made)] == [NOTE]
+
+
 def test_quartiles_have_weights() -> None:
     assert quartiles([(3.0, 1.0), (1.0, 1.0), (2.0, 1.0), (4.0, 1.0)]) == (1.0, 3.0)
     assert quartiles([(1.0, 1.0), (2.0, 9.0)]) == (2.0, 2.0)
@@ -631,15 +682,10 @@ def test_what_follows_a_command_is_compared_beside_it() -> None:
     sides = [machine.engine._buses[""].values for machine in machines]
     (hit,) = unlike(*sides)
     assert (hit.detail, hit.severity) == ("-100 rpm beside S-0-0036, 0 in the good capture", NOTE)
-    followed = [next(found for parameter, found in side.followed() if parameter.ident == SPEED) for side in sides]
-    for change in ({"command": None}, {"unit": "m/s"}, {"is_written": True}):
-        for one in followed:
-            before = {name: getattr(one, name) for name in change}
-            for name, other in change.items():
-                setattr(one, name, other)
-            assert [*unlike(*sides)] == []  # only one side tells it
-            for name, other in before.items():
-                setattr(one, name, other)
+    for one in (followed for side in sides for _, followed in side.followed()):
+        was, one.is_written = one.is_written, True  # what somebody writes is as it was told
+        assert [*unlike(*sides)] == ([] if not was else [hit])
+        one.is_written = was
 
 
 # -- An episode ------------------------------------------------------------------------------------------------------
