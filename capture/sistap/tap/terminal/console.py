@@ -17,7 +17,6 @@ import os
 import select
 import sys
 import weakref
-from collections.abc import Callable
 from typing import Protocol
 
 from sistap.tap.terminal.rights import as_typed
