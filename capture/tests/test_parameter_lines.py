@@ -14,7 +14,7 @@ from sistap.dissected.accesses.access import Access
 from sistap.dissected.accesses.listing import Listing, Place
 from sistap.dissected.telegrams.attribute import Attribute, Format
 from sistap.dissected.telegrams.values import encoded
-from sistap.dissected.wireshark.rows import NotACapture
+from sistap.tap.terminal.exits import Refusal
 
 SPEED = "S-0-0040"
 RPM = Attribute.of(4, Format.SIGNED, more=4 << 24)  # four decimal places, as machines.access() writes it
@@ -111,7 +111,7 @@ def test_the_last_value_is_beside_the_backup(accesses: tuple[Access, ...], line:
     ],
 )
 def test_nothing_compared_is_said(backup: list[tuple[str, Drive]], accesses: tuple[Access, ...], why: str) -> None:
-    with pytest.raises(NotACapture, match=why):
+    with pytest.raises(Refusal, match=why):
         list(against.lines(backup, found(*accesses)))
 
 
