@@ -17,7 +17,7 @@ from sistap.commands.report import tables, windows
 from sistap.commands.report.figures import Figures
 from sistap.commands.report.gather import Report
 from sistap.commands.report.unjudged import unjudged
-from sistap.commands.report.windows import Window
+from sistap.commands.report.windows import ReportWindow
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.packets.dissection import EXCEEDED, OK, UNRESOLVED, Dissection, Judged, Packet, Telegram
 from sistap.dissected.packets.distribution import Distribution, Slices
@@ -43,11 +43,11 @@ def at(second: float, *telegrams: Telegram, **more: Any) -> Packet:
     return packet(BEGIN_S + second, *telegrams, **more)
 
 
-def row(table: tables.Table, head: str, number: int = 0) -> str:
+def row(table: tables.ReportTable, head: str, number: int = 0) -> str:
     return table.rows[number][table.heads.index(head)]
 
 
-def said(table: tables.Table) -> dict[str, str]:
+def said(table: tables.ReportTable) -> dict[str, str]:
     return {name: text for name, text, *_ in table.rows}
 
 
@@ -64,7 +64,7 @@ def paused(time_ms: float, limit_ms: float | None = 2.0, verdict: int | None = O
 # -- TzA: intervals by talker ----------------------------------------------------------------------------------------
 
 
-def pauses(*telegrams: Telegram, **more: Any) -> tables.Table:
+def pauses(*telegrams: Telegram, **more: Any) -> tables.ReportTable:
     return tables.pauses(report(*(at(second, one, **more) for second, one in enumerate(telegrams))))
 
 
@@ -395,7 +395,7 @@ def test_a_window_has_what_reaches_into_it() -> None:
 
 
 def test_a_window_is_bounded() -> None:
-    window = Window("", 0, 10)
+    window = ReportWindow("", 0, 10)
     for _ in range(windows.PACKETS_KEPT + 2):
         window.add(at(1))
     assert (len(window.packets), window.left_out) == (1000, 2)
@@ -418,7 +418,7 @@ def test_windows_are_around_the_worst_of_each_kind() -> None:
     # It begins with the command, 0.5 s before, and has half of that more, at both ends.
     assert [late.start_s, late.end_s] == pytest.approx([19.25, 20.25])
     assert [interval.start_s, interval.end_s] == pytest.approx([28, 36])
-    (other,) = windows.around(found, BEGIN_S, [Window("", 19, 21)])  # is seen there
+    (other,) = windows.around(found, BEGIN_S, [ReportWindow("", 19, 21)])  # is seen there
     assert other.title == "Packet 30: Interval longer than TzA"
     (short,) = windows.around([one("interval", 0, 0.1)], BEGIN_S, [])
     assert [short.start_s, short.end_s] == pytest.approx([0, 0.03])
@@ -458,7 +458,7 @@ def test_windows_are_filled_with_what_may_reach_into_them() -> None:
             asked.extend(spans)
             return [at(1.5), at(7, intervals_s=[3.5])]
 
-    shown = [Window("", 1, 2), Window("", 10, 11)]
+    shown = [ReportWindow("", 1, 2), ReportWindow("", 10, 11)]
     windows.fill(cast(Dissection, Kept()), shown)
     assert asked == [(0, 2), (5, 11)]
     assert [[packet.time_s for packet in one.packets] for one in shown] == [[1.5], [7]]

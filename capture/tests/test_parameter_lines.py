@@ -6,15 +6,15 @@ from __future__ import annotations
 import pytest
 from machines import LAPTOP, access, undescribed
 
-from sistap.commands.parameters import against, user_table, wide
+from sistap.commands.parameters import against, wide
 from sistap.commands.parameters.backup import Drive, Saved
-from sistap.commands.parameters.reading import Found
-from sistap.commands.parameters.writing import list_as_csv, list_as_text
+from sistap.commands.parameters.reading import FoundAccess
+from sistap.commands.parameters.writing import list_as_csv, list_as_text, user_table
 from sistap.dissected.accesses.access import Access
-from sistap.dissected.accesses.listing import Listing, Place
+from sistap.dissected.accesses.listing import AccessPlace, Listing
 from sistap.dissected.telegrams.attribute import Attribute, Format
 from sistap.dissected.telegrams.values import encoded
-from sistap.dissected.wireshark.rows import NotACapture
+from sistap.tap.terminal.exits import Refusal
 
 SPEED = "S-0-0040"
 RPM = Attribute.of(4, Format.SIGNED, more=4 << 24)  # four decimal places, as machines.access() writes it
@@ -23,12 +23,12 @@ RPM = Attribute.of(4, Format.SIGNED, more=4 << 24)  # four decimal places, as ma
 def listed(*accesses: Access, file: str = "a") -> Listing:
     made = Listing()
     for packet, one in enumerate(accesses, 1):
-        made.add(Place(file, packet, 0.0), one)
+        made.add(AccessPlace(file, packet, 0.0), one)
     return made
 
 
-def found(*accesses: Access) -> list[Found]:
-    return [Found(Place("a", packet, 1.5 * packet), one) for packet, one in enumerate(accesses, 1)]
+def found(*accesses: Access) -> list[FoundAccess]:
+    return [FoundAccess(AccessPlace("a", packet, 1.5 * packet), one) for packet, one in enumerate(accesses, 1)]
 
 
 READS = access(3, SPEED, 7.0), access(3, SPEED, 5.0), access(3, SPEED, 9.0, is_write=True, master=LAPTOP)
@@ -68,8 +68,8 @@ def test_the_list_for_programs() -> None:
 
 def test_a_wide_table_has_a_line_for_each_time() -> None:
     other = access(4, "P-0-0012", "on")
-    both = Found(Place("a", 1, 1.5), other)
-    table = [*wide.lines([both, *found(*READS), Found(Place("a", 9, 4.5), other)])]
+    both = FoundAccess(AccessPlace("a", 1, 1.5), other)
+    table = [*wide.lines([both, *found(*READS), FoundAccess(AccessPlace("a", 9, 4.5), other)])]
     assert table[0] == "time,4 device 4 P-0-0012,3 device 4 S-0-0040 (rpm)"
     assert [line.split(",", 1)[1] for line in table[1:]] == ["on,7.0", ",5.0", "on,9.0"]
     assert [*wide.lines(found(access(3, SPEED, "", error="0x7002")))] == []
@@ -111,7 +111,7 @@ def test_the_last_value_is_beside_the_backup(accesses: tuple[Access, ...], line:
     ],
 )
 def test_nothing_compared_is_said(backup: list[tuple[str, Drive]], accesses: tuple[Access, ...], why: str) -> None:
-    with pytest.raises(NotACapture, match=why):
+    with pytest.raises(Refusal, match=why):
         list(against.lines(backup, found(*accesses)))
 
 
@@ -119,8 +119,8 @@ def test_a_parameter_set_is_in_the_number_of_the_table() -> None:
     ((_, drive),) = saved(SEVEN)
     other = drive._replace(parameters=[drive.parameters[0]._replace(ident="P-2-0012", name='"n\\')])
     row = '"S","0040","Speed","rpm","0x04220001","-1.0000 rpm","1.0000 rpm","3"'
-    assert [*user_table.lines(drive, "3")] == [row]
-    assert next(user_table.lines(other, "")).startswith('"P","2-0012","\\x22n\\x5c",')
+    assert [*user_table(drive, "3")] == [row]
+    assert next(user_table(other, "")).startswith('"P","2-0012","\\x22n\\x5c",')
 
 
 @pytest.mark.parametrize(("fraction", "ns"), [("", 0), (".5", 500_000_000), (".000000001", 1)])

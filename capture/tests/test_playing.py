@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from sisbus.playing.characters import Branch, Character, Faults, Sending, Slot, hear, reads, uncertainty
+from sisbus.playing.characters import Branch, Faults, Sending, SentCharacter, Slot, hear, reads, uncertainty
 from sisbus.playing.conducting import Action, Script, Token, Wait, conduct, is_answered, repeating
 from sisbus.playing.player import Player, Times, collide
 from sisbus.stations.making import make
@@ -112,7 +112,7 @@ def test_a_command_is_repeated_until_it_is_answered() -> None:
 )
 def test_reads_of_a_coarse_adapter(most: int, times: Sequence[int], sizes: Sequence[int]) -> None:
     """Up to so many, or until a silence of four character times: five from end to end."""
-    found = [*reads([Character(100 * time, 0, 0) for time in times], most, 100)]
+    found = [*reads([SentCharacter(100 * time, 0, 0) for time in times], most, 100)]
     assert [len(read) for read in found] == sizes
     assert uncertainty(found[0]) == 100 * (times[sizes[0] - 1] - times[0])
 

@@ -49,17 +49,17 @@ from test_kinds import (
     writes,
 )
 
-from sistap.dissected.episodes.baseline import unlike
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.levels import Levels, goes_on
 from sistap.dissected.episodes.lines import lines
-from sistap.dissected.episodes.live import Live
+from sistap.dissected.episodes.live import LiveEpisodes
 from sistap.dissected.episodes.machine import Machine as Drives
-from sistap.dissected.episodes.readings import Reading, reading
+from sistap.dissected.episodes.readings import ValueReading, reading
 from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Subject
 from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.trend import Slots, quartiles, trend
+from sistap.dissected.episodes.values import unlike
 from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
 from sistap.dissected.wireshark.rows import OTHER
 from sistap.tap.line.settings import Flag
@@ -394,7 +394,7 @@ def test_states_of_long_ago_are_forgotten() -> None:
 
 
 def test_what_begins_is_told_at_once() -> None:
-    live = Live()
+    live = LiveEpisodes()
     said = [access(5, "S-0-0390", f"0x{code:08X}") for code in (0xA0101, FAULT, FAULT, 0xA0101)]
     found = [
         live.add(packet(BEGIN_S + n, telegram(5, PLC, is_reaction=True), accesses=[one])) for n, one in enumerate(said)
@@ -403,7 +403,7 @@ def test_what_begins_is_told_at_once() -> None:
 
 
 def test_a_visitor_is_told_at_once_but_not_his_tokens() -> None:
-    live = Live()
+    live = LiveEpisodes()
     for second in range(250):
         live.add(packet(BEGIN_S + second, telegram(PLC, 3)))
     assert live.add(packet(BEGIN_S + 250, telegram(LAPTOP, PLC, service=0x0F))) == []
@@ -528,7 +528,7 @@ def test_a_text_may_have_its_two_lengths_before_it() -> None:
         assert found and found.text == text
 
 
-def stops(*said: tuple[float, int, str, Reading]) -> list[tuple[float, float]]:
+def stops(*said: tuple[float, int, str, ValueReading]) -> list[tuple[float, float]]:
     """Return from when to when it stood within 100 s."""
     drives = Drives()
     for now_s, station, ident, tells in said:
@@ -536,12 +536,12 @@ def stops(*said: tuple[float, int, str, Reading]) -> list[tuple[float, float]]:
     return drives.stops(0, 100)
 
 
-def word(bits: int) -> Reading:
-    return Reading(None, "", "", bits)
+def word(bits: int) -> ValueReading:
+    return ValueReading(None, "", "", bits)
 
 
-def speed(number: float) -> Reading:
-    return Reading(number, "", "rpm")
+def speed(number: float) -> ValueReading:
+    return ValueReading(number, "", "rpm")
 
 
 def test_a_drive_stands_as_its_words_say() -> None:
@@ -566,7 +566,7 @@ def test_a_machine_runs_if_a_third_of_its_drives_do() -> None:
 def test_a_drive_stands_as_its_speed_says() -> None:
     """An index axis rests for a moment."""
 
-    def every_second(*speeds: float) -> list[tuple[float, int, str, Reading]]:
+    def every_second(*speeds: float) -> list[tuple[float, int, str, ValueReading]]:
         return [(float(second), 3, SPEED, speed(one)) for second, one in enumerate(speeds)]
 
     assert stops(*every_second(*[1000] * 20, *[0] * 20, *[-1000] * 20)) == [(20, 40)]
