@@ -516,18 +516,6 @@ def test_what_cannot_be_opened(tmp_path: Path, log: Path) -> None:
     assert run(tmp_path, log, "-w", "x", "--format", "html").returncode == 2
 
 
-@pytest.mark.thorough
-def test_a_full_disk(tmp_path: Path, log: Path, full: Path) -> None:
-    refused(run(tmp_path, log, "-o", full), 1, "/dev/full is incomplete: No space left", "-o")
-    refused(run(tmp_path, log, "-w", full), 1, "/dev/full: No space left")
-    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
-    with full.open("wb") as output:
-        done = subprocess.run(
-            [*ANNOTATE, str(log)], stdout=output, stderr=subprocess.PIPE, env=buffered, check=False, timeout=120
-        )
-    refused(done, 1, "standard output is incomplete: No space left", "-o")
-
-
 def test_without_tshark_or_its_plugin(tmp_path: Path, log: Path) -> None:
     """Known before a line is read: the last one would be reported."""
     (tmp_path / "plugins").mkdir()

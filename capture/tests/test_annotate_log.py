@@ -124,11 +124,6 @@ def test_what_has_no_sis(tmp_path: Path) -> None:
     refused(run(tmp_path, "log", CAPTURES / "udp.pcapng"), 2, "6 packets without SIS", "Decode As", "sistap import")
 
 
-def test_a_full_disk(tmp_path: Path, full: Path) -> None:
-    capture = write(tmp_path / "x.pcapng", BUS)
-    refused(run(tmp_path, "log", capture, "-o", full), 1, "/dev/full", "No space left")
-
-
 @pytest.mark.thorough
 def test_what_cannot_be_opened(tmp_path: Path) -> None:
     capture = write(tmp_path / "x.pcapng", BUS)

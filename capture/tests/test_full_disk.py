@@ -58,6 +58,7 @@ WRITING = [
     ["bus", "-w"],
     ["parameters", CAPTURE, "-o"],
     ["compare", CAPTURE, OTHER, "-o"],
+    ["report", CAPTURE, "--format", "text", "-o"],
     ["report", CAPTURE, "--format", "html", "-o"],
     ["report", CAPTURE, "--format", "svg", "-o"],
     ["report", CAPTURE, "--format", "json", "-o"],

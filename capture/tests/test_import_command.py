@@ -129,11 +129,6 @@ def test_files(table: Path, capfd: pytest.CaptureFixture[str]) -> None:
     refused(capfd, "cannot be written")
 
 
-def test_a_full_disk(table: Path, capfd: pytest.CaptureFixture[str], full: Path) -> None:
-    assert cli.main(["import", str(table), "--baud", "9600", "-w", str(full)]) == 1
-    refused(capfd, "No space left on device")
-
-
 def test_without_tshark(
     tmp_path: Path, table: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

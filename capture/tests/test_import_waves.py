@@ -511,13 +511,14 @@ def test_a_binary_export_of_saleae(tmp_path: Path, capfd: pytest.CaptureFixture[
     assert "export the levels as CSV" in capfd.readouterr().err
 
 
+@pytest.mark.parametrize("cuts", [15, pytest.param(50, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("form", FORMS)
-def test_a_recording_that_is_cut_anywhere(tmp_path: Path, form: Callable[[Path], None]) -> None:
+def test_a_recording_that_is_cut_anywhere(tmp_path: Path, form: Callable[[Path], None], cuts: int) -> None:
     """What comes before is there, or the file is refused."""
     path = tmp_path / "recording"
     form(path)
     data = path.read_bytes()
-    for length in range(0, len(data), len(data) // 50):
+    for length in range(0, len(data), len(data) // cuts):
         path.write_bytes(data[:length])
         if opener := known(path):
             try:
@@ -527,12 +528,15 @@ def test_a_recording_that_is_cut_anywhere(tmp_path: Path, form: Callable[[Path],
             assert len(heard) <= len(TELEGRAMS[0]) or SENT.startswith(heard[:-1])  # a telegram tells the polarity
 
 
+@pytest.mark.parametrize("seeds", [range(15), pytest.param(range(15, 60), marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("form", FORMS)
-def test_damaged_recordings_are_read_or_refused(tmp_path: Path, form: Callable[[Path], None]) -> None:
+def test_damaged_recordings_are_read_or_refused(
+    tmp_path: Path, form: Callable[[Path], None], seeds: Sequence[int]
+) -> None:
     path = tmp_path / "recording"
     form(path)
     whole = path.read_bytes()[:8000]
-    for seed in range(60):
+    for seed in seeds:
         chance = random.Random(seed)
         data = bytearray(whole)
         for _ in range(chance.choice((1, 3, 20))):

@@ -215,10 +215,6 @@ def test_where_nothing_can_be_written(tmp_path: Path, capture: Path) -> None:
     assert capture.read_bytes() == before
 
 
-def test_a_full_disk(tmp_path: Path, capture: Path, full: Path) -> None:
-    refused(report(tmp_path, capture, "--format", "text", "-o", full), 1, "/dev/full", "No space left", "-o")
-
-
 @pytest.fixture
 def handlers() -> Iterator[None]:
     before = [(number, signal.getsignal(number)) for number in SIGNALS]

@@ -164,6 +164,8 @@ epan_init(long a, long b, long c, long d)
     if (!((start_t)dlsym(RTLD_NEXT, "epan_init"))(a, b, c, d))
         return 0;
     is_kept = 1;
+    if (lseek(2, 0, SEEK_CUR) > 0) /* the askers start the real one, which says it to them */
+        _exit(0);
     keep();
     return 1;
 }

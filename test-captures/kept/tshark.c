@@ -67,8 +67,15 @@ add_file(const char *path, const struct stat *about, int type, struct FTW *place
     return close(file);
 }
 
-/* Only what reads a file, with no other end than its own: no pipe, script, list of what there is, limit or
- * personal plugin. */
+static bool
+is_there(const char *path, const char *folder)
+{
+    char full[4096];
+    return folder && snprintf(full, sizeof full, path, folder) > 0 && access(full, F_OK) == 0;
+}
+
+/* Only what reads a file, with no other end than its own: no pipe, script, list of what there is, limit,
+ * settings or personal plugins, which are read while it starts. */
 static bool
 can_be_kept(char **arguments)
 {
@@ -80,16 +87,19 @@ can_be_kept(char **arguments)
             strcmp(*argument, "-v") == 0)
             return false;
     }
+    struct stat output;
+    if (fstat(1, &output) != 0 ||
+        S_ISCHR(output.st_mode)) /* /dev/null: what it needs is measured, see Tshark.usage */
+        return false;
     static const int limits[] = {RLIMIT_AS, RLIMIT_CPU, RLIMIT_FSIZE, RLIMIT_DATA};
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         struct rlimit limit;
         if (getrlimit(limits[i], &limit) != 0 || limit.rlim_cur != RLIM_INFINITY)
             return false;
     }
-    char personal[4096];
-    const char *home = getenv("HOME");
-    snprintf(personal, sizeof personal, "%s/.local/lib/wireshark", home ? home : "");
-    return reads && access(personal, F_OK) != 0;
+    return reads && !is_there("%s/wireshark", getenv("XDG_CONFIG_HOME")) &&
+           !is_there("%s/.config/wireshark", getenv("HOME")) && !is_there("%s/.wireshark", getenv("HOME")) &&
+           !is_there("%s/.local/lib/wireshark", getenv("HOME")) && !getenv("WIRESHARK_CONFIG_DIR");
 }
 
 static socklen_t
@@ -100,6 +110,7 @@ address(struct sockaddr_un *name)
     add(&user, sizeof user);
     add_text(REAL);
     add_text(data ? data : "");
+    add_text(getenv("KEPT_TSHARK"));
     add_text(getenv("GLIBC_TUNABLES") ? getenv("GLIBC_TUNABLES") : "");
     if (plugins)
         add_text("plugins");
@@ -124,10 +135,10 @@ start(const struct sockaddr_un *name, socklen_t length, const char *library)
         setsid();
         if (fork() != 0)
             _exit(0);
-        int nothing = open("/dev/null", O_RDWR);
-        for (int i = 0; i < 3; i++)
-            dup2(nothing, i);
         dup2(listening, 3);
+        dup2(open("/dev/null", O_RDWR), 0);
+        dup2(0, 1);
+        dup2(memfd_create("said", 0), 2); /* one that says something while it starts is not kept */
         closefrom(4);
         setenv("LD_PRELOAD", library, 1);
         if (chdir("/") == 0)
