@@ -63,15 +63,15 @@ PARTS = (
     Part("sistap/dissected/episodes/readings.py", ("test_readings.py", "test_verdicts.py")),
     Part("sistap/dissected/episodes/folding.py", ("test_folding.py", *EPISODES)),
     Part("sistap/dissected/episodes/lines.py", ("test_episode_lines.py", "test_small_cases.py", "test_verdicts.py")),
+    *room("sistap/dissected/episodes", "engine live", (*EPISODES, "test_live_episodes.py")),
     *room(
         "sistap/dissected/episodes",
-        "baseline book boots devices diagnoses engine episode faults levels machine masters paces silence states trend "
-        "values writes",
+        "book boots diagnoses episode faults levels machine masters paces silence states trend " "values writes",
         EPISODES,
     ),
     *room("sistap/dissected/packets", "apart dissection distribution", PACKETS),
     *room("sistap/commands/report", "figures pauses tables unjudged windows", REPORT),
-    *room("sistap/commands/parameters", "against backup user_table wide writing", PARAMETERS),
+    *room("sistap/commands/parameters", "against backup wide writing", PARAMETERS),
     *room(
         "sistap/dissected/telegrams",
         "attribute interpreter values",

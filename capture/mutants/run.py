@@ -122,7 +122,7 @@ class Copy:
                 **os.environ,
                 **(self._plugin.environment if part.is_c else {}),
                 "PYTHONPATH": os.pathsep.join((str(self.capture), str(self.capture / "mutants"))),
-                "PYTHONDONTWRITEBYTECODE": "" if compiled else "1",
+                "PYTHONDONTWRITEBYTECODE": "" if compiled and not part.is_c else "1",  # their tests are links
             },
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,

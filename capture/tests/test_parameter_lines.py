@@ -6,10 +6,10 @@ from __future__ import annotations
 import pytest
 from machines import LAPTOP, access, undescribed
 
-from sistap.commands.parameters import against, wide, writing
+from sistap.commands.parameters import against, wide
 from sistap.commands.parameters.backup import Drive, Saved
 from sistap.commands.parameters.reading import FoundAccess
-from sistap.commands.parameters.writing import list_as_csv, list_as_text
+from sistap.commands.parameters.writing import list_as_csv, list_as_text, user_table
 from sistap.dissected.accesses.access import Access
 from sistap.dissected.accesses.listing import AccessPlace, Listing
 from sistap.dissected.telegrams.attribute import Attribute, Format
@@ -119,8 +119,8 @@ def test_a_parameter_set_is_in_the_number_of_the_table() -> None:
     ((_, drive),) = saved(SEVEN)
     other = drive._replace(parameters=[drive.parameters[0]._replace(ident="P-2-0012", name='"n\\')])
     row = '"S","0040","Speed","rpm","0x04220001","-1.0000 rpm","1.0000 rpm","3"'
-    assert [*writing.user_table(drive, "3")] == [row]
-    assert next(writing.user_table(other, "")).startswith('"P","2-0012","\\x22n\\x5c",')
+    assert [*user_table(drive, "3")] == [row]
+    assert next(user_table(other, "")).startswith('"P","2-0012","\\x22n\\x5c",')
 
 
 @pytest.mark.parametrize(("fraction", "ns"), [("", 0), (".5", 500_000_000), (".000000001", 1)])

@@ -347,6 +347,17 @@ def test_what_visitors_write_at_once_is_told_by_its_author(masters: tuple[int, i
     assert [f"{one.who} {one.detail.partition(';')[0]}" for one in machine.told().of("write")] == said
 
 
+@pytest.mark.parametrize(("falls", "count"), [(0, 0), (1, 0), (2, 1)])
+def test_what_only_rises_is_a_counter_and_has_no_drift(falls: int, count: int) -> None:
+    """It may fall once in a hundred times: somebody has reset it."""
+    numbers = [float(number) for number in range(1, 121)]
+    for place in range(falls):
+        numbers.insert(60 + 20 * place, numbers[58 + 20 * place])
+    machine = Machine()
+    told("P-0-0300", numbers, every_s=30, unit="mm")(machine)
+    assert len(machine.told().of("drift")) == count
+
+
 @pytest.mark.parametrize(("since_s", "count"), [(0, 1), (1200, 1), (2400, 0)])
 def test_a_drift_is_one_of_the_time_that_is_told(since_s: float, count: int) -> None:
     """It takes half an hour at least; this one is an hour long."""
@@ -374,6 +385,15 @@ def test_what_a_good_capture_refused_too_is_no_fault() -> None:
     machine = Machine(before=good.engine)
     refused(is_known=True)(machine)
     assert machine.told().kinds == ["never"]
+
+
+def test_a_bus_that_is_unreadable_twice_is_told_twice() -> None:
+    machine = Machine()
+    for _ in range(2):
+        then(run(60), do("noise", 21, every_s=0.2), reaction(3))(machine)
+    found = machine.told().of("unreadable")
+    assert [one.detail for one in found] == ["21 records are no telegrams"] * 2
+    assert [one.from_s - BEGIN_S for one in found] == pytest.approx([60.2, 124.49])
 
 
 def test_many_stops_are_one_phrase() -> None:
