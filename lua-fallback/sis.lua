@@ -712,10 +712,12 @@ N.attribute_formats = {
 K.SERTAP_FRAME = 0
 K.SERTAP_OTHER = 1
 K.SERTAP_EVENT = 2
+K.SERTAP_BEFORE = 3
 N.sertap_types = {
   [K.SERTAP_FRAME] = "Frame",
   [K.SERTAP_OTHER] = "Other characters",
   [K.SERTAP_EVENT] = "Event",
+  [K.SERTAP_BEFORE] = "Frame from before this file",
 }
 
 -- Lines of a tap.
@@ -754,7 +756,6 @@ K.SERTAP_CAPTURE_STARTED = 1
 K.SERTAP_CHARACTERS_LOST = 3
 K.SERTAP_ADAPTER_LOST = 4
 K.SERTAP_LIMITS_TOLD = 6
-K.SERTAP_TOLD_BEFORE = 7
 N.sertap_events = {
   [0] = "None",
   [K.SERTAP_CAPTURE_STARTED] = "Capture started",
@@ -763,7 +764,7 @@ N.sertap_events = {
   [K.SERTAP_ADAPTER_LOST] = "Adapter lost",
   [5] = "Marker",
   [K.SERTAP_LIMITS_TOLD] = "Limits told by the user",
-  [K.SERTAP_TOLD_BEFORE] = "Told before",
+  [7] = "Told before",
 }
 
 -- Wireshark's states of a checksum.
@@ -1715,7 +1716,7 @@ field("sertap.version", "Version", ftypes.UINT8, base.DEC, nil, 0, "Version of t
 field("sertap.header_length", "Header length", ftypes.UINT8, base.DEC, nil, 0,
   "Bytes of the record before the characters")
 field("sertap.type", "Type", ftypes.UINT8, base.DEC, N.sertap_types, 0,
-  "A frame, characters that belong to no frame, or an event of the tap")
+  "A frame, characters that belong to no frame, an event of the tap, or a frame from before this file")
 field("sertap.line", "Line", ftypes.UINT8, base.DEC, N.sertap_lines, 0,
   "The shared bus, or one direction of a full-duplex line")
 field("sertap.baud", "Baud rate", ftypes.UINT32, base.DEC, nil, 0,
@@ -1763,6 +1764,7 @@ expert_field("sertap.error.break.expert", "PROTOCOL", "WARN", "Break on the line
 expert_field("sertap.error.lost.expert", "SEQUENCE", "WARN", "Characters were lost before the tap could read them")
 expert_field("sertap.error.unlocated.expert", "CHECKSUM", "WARN",
   "A line error, the adapter does not say at which character")
+expert_field("sertap.before", "SEQUENCE", "CHAT", "From before this file: learned from, not counted, not judged")
 expert_field("sertap.event.expert", "SEQUENCE", "WARN", "The capture has a gap")
 
 -- sis
@@ -1819,7 +1821,6 @@ field("sis.access", "Access", ftypes.STRING, base.NONE, nil, 0,
 field("sis.packed", "Fields of this telegram", ftypes.STRING, base.NONE, nil, 0,
   "The fields of a telegram that is not the first of its packet, with the number of values of each: "
     .. "for programs")
-field("sis.told_before", "Told before", ftypes.STRING, base.NONE, nil, 0, "Heard on the bus before this file began")
 field("sis.text", "Text", ftypes.STRING, base.NONE, nil, 0, "Useful data of a product group that are plain ASCII")
 field("sis.element_length", "Length", ftypes.UINT8, base.DEC, nil, 0, "Service and body of this element")
 field("sis.stream", "Stream", ftypes.UINT32, base.DEC, nil, 0, "One number for each pair of stations")
@@ -2462,6 +2463,7 @@ do
     local line, number = find_line(), packet.number
 
     record.known = line
+    if record.type == K.SERTAP_BEFORE then return end
     if record.flags ~= 0 or record.type ~= K.SERTAP_FRAME then note_disturbance(line, record) end
     if record.type ~= K.SERTAP_EVENT then note_busy(line, record) end
     if record.type ~= K.SERTAP_EVENT and record.count > 0 then
@@ -2535,8 +2537,6 @@ do
   }
 
   local framing_table = DissectorTable.new("sertap.framing", "Serial framing", ftypes.UINT8, base.DEC, sertap)
-  local told_table = DissectorTable.new("sertap.told", "What was told before, by framing", ftypes.UINT8, base.DEC,
-    sertap)
   local handle -- of this dissector, once there is one
 
   -- How long a packet is, or the payload of a record, with what the capture has cut. For Lua, a part of a packet ends
@@ -2926,21 +2926,6 @@ do
     return (string.gsub(text, "([\128-\255])([\128-\191]*)", format_beyond_ascii))
   end
 
-  -- The facts, a line each, for the dissector of what travels on the line. Half a fact would be another one.
-  local function hand_over_told(tvb, pinfo, root, record)
-    local offset, count = record.data_offset, record.values
-    local text = sub(record.bytes, offset + 1, offset + count)
-
-    if count < record.declared then text = match(text, "^.*\n") or "" end
-    if text ~= "" then
-      packet.record = record
-      local told = told_table:get_dissector(record.framing) -- try() would show others as data, the plugin does not
-
-      if told then told:call(tvb(offset, #text):tvb(), pinfo, root) end
-      packet.record = nil
-    end
-  end
-
   local function dissect_event(tvb, pinfo, tree, root, record)
     local name = N.sertap_events[record.event] or "Event of a later version"
     local offset, count = record.data_offset, record.values
@@ -2952,7 +2937,6 @@ do
       add_expert(item, ET.event_expert, name)
     end
     write_columns(pinfo, text)
-    if record.event == K.SERTAP_TOLD_BEFORE then hand_over_told(tvb, pinfo, root, record) end
   end
 
   -- Whether these characters are readable text.
@@ -2993,15 +2977,24 @@ do
     framing_table:try(record.framing, characters, pinfo, parent)
   end
 
+  -- What travels on the line is only learned from.
+  local function dissect_before(tvb, pinfo, parent, root, record)
+    add_expert(root, ET.before)
+    dissect_frame(tvb, pinfo, parent, record)
+    pinfo.cols.info:prepend("Before this file: ")
+  end
+
   local function dissect_characters(tvb, pinfo, parent, tree, root, record)
     if tree and record.timed > 0 then add_characters(tree, tvb, record) end
+    packet.record = record
     if record.type == K.SERTAP_FRAME then
-      packet.record = record
       dissect_frame(tvb, pinfo, parent, record)
-      packet.record = nil
+    elseif record.type == K.SERTAP_BEFORE then
+      dissect_before(tvb, pinfo, parent, root, record)
     else
       dissect_other(tvb, pinfo, tree, record)
     end
+    packet.record = nil
     if record.flags ~= 0 then report_errors(pinfo, root, record) end -- after the info column has its text
   end
 
@@ -3467,7 +3460,7 @@ do
     if telegram.is_good then S.exchange_show(record, telegram, body) end
     local words = dissect_body(body, record)
     if record.exchange and not telegram.is_reaction then S.learn_request(record, telegram, body.request) end
-    S.timing_dissect(telegram, record, body)
+    if not telegram.is_before then S.timing_dissect(telegram, record, body) end
     return words
   end
 
@@ -3545,6 +3538,7 @@ do
     telegram.bytes = bytes
     telegram.declared = declared
     telegram.sum = sum -- nil: not all of it is there
+    telegram.is_before = packet.record ~= nil and packet.record.type == K.SERTAP_BEFORE
     telegram.is_good = is_good
     telegram.number = is_good and telegram.has_number and byte(bytes, body_offset) or 0
     telegram.length = declared ~= 0 and min(body.there, declared) or body.there -- without what follows it
@@ -3601,7 +3595,7 @@ do
     dissect_header(body)
     local words = dissect_useful_data(body, record)
     dissect_trailer(body)
-    if S.is_counting then S.note_telegram(body, record) end
+    if S.is_counting and not telegram.is_before then S.note_telegram(body, record) end
 
     if body.tree then append_text(body.root, strformat(", %s, %s", ends.title, S.shortened(words, HEAD_LENGTH))) end
     return ends.heading .. body.marks .. "  " .. words
@@ -3729,7 +3723,6 @@ do
   function sis.dissector(tvb, pinfo, tree)
     if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
     if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_segment(tvb, pinfo, tree) end
-    if packet.record and packet.record.type == K.SERTAP_EVENT then return S.dissect_before(tvb, pinfo, tree) end
     S.dissect_packet(tvb, pinfo, tree)
   end
 
@@ -5197,6 +5190,7 @@ do
     local key = sender < receiver and sender * 256 + receiver or receiver * 256 + sender
 
     if telegram.subaddress_count > 0 then key = strformat("%d ", key) .. sub(telegram.path, 2) end
+    if telegram.is_before then key = "before " .. key end -- this file: no repeat, no time to what is in it
     return key
   end
 
@@ -5296,6 +5290,16 @@ do
     end
   end
 
+  -- What the commands before it are to a command of this file.
+  local function find_relations(exchange, bus, telegram, bytes)
+    local before = bus.last[telegram.sender]
+
+    find_route(exchange, telegram, bytes)
+    if before then follow_command(exchange, before, telegram) end
+    bus.last[telegram.sender] = exchange
+    bus.newest = exchange
+  end
+
   local function begin_exchange(bus, number, telegram)
     local stream, times = stream_of_command(bus, telegram), telegram.times
     local from = stream.from[S.direction(telegram)]
@@ -5308,21 +5312,17 @@ do
       reaction_in = nil,
       request = nil,
     }
-    local before = bus.last[telegram.sender]
 
     if S.is_counting then exchange.command_begin = times.begin end
     if #bytes > declared then bytes = sub(bytes, 1, declared) end
     from.path, from.same = telegram.path, nil
     if needs_reaction(telegram) then find_repeat(exchange, from, bytes, telegram) end
-    find_route(exchange, telegram, bytes)
-    if before then follow_command(exchange, before, telegram) end
-    bus.last[telegram.sender] = exchange
-    bus.newest = exchange
+    if not telegram.is_before then find_relations(exchange, bus, telegram, bytes) end
     if from.last then S.route_leave(from.last) end
     from.telegram = telegram
     from.bytes = bytes
     from.last = exchange
-    if telegram.subaddress_count > 0 then S.route_wait(exchange, telegram, bytes) end
+    if telegram.subaddress_count > 0 and not telegram.is_before then S.route_wait(exchange, telegram, bytes) end
     return exchange
   end
 
@@ -5387,7 +5387,7 @@ do
       exchange.next_command_in = nil -- a master need not wait there
     end
     S.route_leave(exchange)
-    if exchange.command_in ~= number then -- nil where both are in one packet
+    if exchange.command_in ~= number and not telegram.is_before then -- nil where both are in one packet
       record.reaction_time = T.elapsed(exchange.command_end, telegram.times.begin)
     end
     if exchange.forwarded then
@@ -5471,7 +5471,7 @@ do
     else
       end_exchange(record, bus, number, telegram)
     end
-    bus.damage.is_there = false
+    bus.damage.is_there = bus.damage.is_there and telegram.is_before
   end
 
   local NO_STEP = {}
@@ -7077,12 +7077,12 @@ do
     return tree and tree:referenced(F.access)
   end
 
-  -- A reaction that comes twice is counted once.
+  -- A reaction that comes twice is counted once, one from before this file not at all.
   local function is_known(body)
     local record, asked = body.record, body.asked
 
     return record and not record.reaction_before and asked and asked.has_ident and asked.element == K.ELEMENT_DATA
-      and not body.is_short
+      and not body.is_short and not body.telegram.is_before
   end
 
   -- "3" or, behind routers, "3/2/8".
@@ -7604,24 +7604,6 @@ do
     end
   end
 
-  -- First pass: takes over a setting that was told before this file began; `test_end`: of a timed test, else nil.
-  function S.bus_recall(told, address, kind, value, is_accepted, test_end)
-    local setting = {value = value, set_in = packet.number, order = next_order(told)}
-
-    told.is_anything_told = true
-    told.known = {}
-    find_station(told, K.ALL_STATIONS)
-    local station = find_station(told, address)
-    if test_end then
-      told.tests[address] = {rate = setting, finish = test_end}
-    elseif is_accepted then
-      setting.accepted_in = packet.number
-      station.valid[kind] = setting
-    else
-      station.told[kind] = setting
-    end
-  end
-
   -- "TzA = 8 ms" in a text; 0: it is not there, or no time that a bus can be told.
   local function find_limit(text, name)
     local _, last = string.find(text, name, 1, true)
@@ -7681,166 +7663,6 @@ do
     end_test(told, K.ALL_STATIONS, now)
     told.known[address] = told.known[address] or make_settings(told, address)
     return told.known[address]
-  end
-end
-
---- sis/before: what was told before this file began: facts, one in a line, that the tap writes where a file continues
--- another. Any other line is shown and ignored.
-
-do
-  local LONGEST_LIMIT = 512 -- bytes of a minimum or maximum
-  local LONGEST_TEST = 65535000000 -- ns
-
-  -- A number, and the rest of the text; nil: there is none, or one that is too large.
-  local function take_number(text, most)
-    local digits, rest = match(text, "^(%d+)(.*)$")
-    local number = digits and tonumber(digits)
-
-    if number and number <= most then return number, rest end
-  end
-
-  -- The stations of "3" or "3/2/8" as bytes, and the rest.
-  local function take_path(text)
-    local path, rest = "", "/" .. text
-
-    while sub(rest, 1, 1) == "/" do
-      local station
-
-      station, rest = take_number(sub(rest, 2), 255)
-      if not station or #path == 8 then return nil end
-      path = path .. char(station)
-    end
-    return path, rest
-  end
-
-  -- "00 2d 31 01" as bytes; nil: it is something else.
-  local function read_bytes(text)
-    local pairs_of_digits = text .. " "
-
-    if #pairs_of_digits > 3 * LONGEST_LIMIT or gsub(pairs_of_digits, "%x%x ", "") ~= "" then return nil end
-    return (gsub(pairs_of_digits, "(%x%x) ", function(digits) return char(tonumber(digits, 16)) end))
-  end
-
-  -- Shown as the attribute says that is known by now.
-  local function read_limit(text, element, ident, known)
-    local bytes = read_bytes(text)
-
-    if not bytes then return false end
-    return true, S.add_element(nil, nil, {bytes = bytes, length = #bytes, offset = 0}, element, ident, known, true)
-  end
-
-  -- For each element: whether this is its text, and what it says, nil if that cannot be shown.
-  local elements = {
-    name = function(text)
-      local name = match(text, "^ (.+)$")
-      return name, name
-    end,
-    unit = function(text)
-      local unit = text == "" and "" or match(text, "^ (.*)$")
-      return unit, unit
-    end,
-    attribute = function(text)
-      local digits = match(text, "^ 0x([0-9a-f]+)$")
-      return digits and #digits == 8, digits and tonumber(digits, 16)
-    end,
-    minimum = function(text, ident, known)
-      return read_limit(match(text, "^ (.*)$") or "", K.ELEMENT_MINIMUM, ident, known)
-    end,
-    maximum = function(text, ident, known)
-      return read_limit(match(text, "^ (.*)$") or "", K.ELEMENT_MAXIMUM, ident, known)
-    end,
-  }
-
-  -- " device 1 S-0-0036 name Velocity command value", behind the stations.
-  local function take_parameter(bus, path, text)
-    local device, rest = take_number(match(text, "^ device (.*)$") or "", 255)
-
-    if not device then return false end
-    for _, identity in ipairs({"type key", "firmware"}) do
-      if match(rest, "^ " .. identity .. " .") then
-        S.learned_identity(bus, path, device, identity, sub(rest, #identity + 3))
-        return true
-      end
-    end
-    local ident, said = S.ident_parse(match(rest, "^ (.*)$") or "")
-    local what, value = match(said or "", "^ (%l+)(.*)$")
-
-    if not ident or not elements[what] then return false end
-    local is_fact, shown = elements[what](value, ident, S.learned_of(bus, path, ident, device))
-    if is_fact and shown then S.learned_add(bus, path, ident, device, what, shown) end
-    return is_fact
-  end
-
-  local kinds = {
-    {words = " TrS ", unit = " ms", most = 0xFFFF, kind = K.TRS},
-    {words = " TzA ", unit = " ms", most = 0xFFFF, kind = K.TZA},
-    {words = " Tmas ", unit = " ms", most = 0xFFFF, kind = K.TMAS},
-    {words = " baud rate ", unit = " Bd", most = 0xFFFFFFFF, kind = K.BAUD},
-  }
-
-  -- " TzA 5 ms", behind a station or "all".
-  local function take_setting(told, address, text)
-    for _, known in ipairs(kinds) do
-      if sub(text, 1, #known.words) == known.words then
-        local value, rest = take_number(sub(text, #known.words + 1), known.most)
-        local rest_of_test
-
-        if not value or sub(rest, 1, 3) ~= known.unit then return false end
-        rest = sub(rest, 4)
-        if known.kind == K.BAUD and sub(rest, 1, 5) == " for " then
-          rest_of_test, rest = take_number(sub(rest, 6), LONGEST_TEST)
-          if rest ~= " ns" then return false end
-          rest = ""
-        end
-        if rest ~= "" and rest ~= " not accepted" then return false end
-        local test_end = rest_of_test and rest_of_test > 0 and packet.time + rest_of_test or nil
-
-        S.bus_recall(told, address, known.kind, value, rest == "", test_end)
-        return true
-      end
-    end
-    return false
-  end
-
-  -- First pass: learns from a line. False: it is no fact.
-  local function take_fact(bus, line)
-    if sub(line, 1, 3) == "all" then return take_setting(bus.told, K.ALL_STATIONS, sub(line, 4)) end
-    local path, rest = take_path(line)
-
-    return path and (take_parameter(bus, path, rest) or (#path == 1 and take_setting(bus.told, byte(path), rest)))
-  end
-
-  -- Whether a line has only characters that the tap writes: those that S.text() makes of Latin-1.
-  local function is_plain(line)
-    local at = 1
-
-    while at <= #line do
-      at = match(line, "^[ -~]+()", at) or match(line, "^\194[\160-\172\174-\191]()", at)
-        or match(line, "^\195[\128-\191]()", at) or match(line, "^\226\144[\128-\161]()", at)
-      if not at then return false end
-    end
-    return true
-  end
-
-  local facts -- by frame number: how many it told
-
-  at_init(function() facts = {} end)
-
-  function S.dissect_before(tvb, pinfo, tree)
-    local bytes, bus, number, at = tvb:raw(), S.exchange_bus(), packet.number, 1
-
-    facts[number] = facts[number] or 0
-    while at <= #bytes do
-      local finish = string.find(bytes, "\n", at, true) or #bytes + 1
-      local line = sub(bytes, at, finish - 1)
-
-      if line ~= "" then
-        if not packet.visited and is_plain(line) and take_fact(bus, line) then facts[number] = facts[number] + 1 end
-        if tree then tree:add_packet_field(F.told_before, tvb(at - 1, #line), ENC_UTF_8) end
-      end
-      at = finish + 1
-    end
-    pinfo.cols.info = strformat("Told before: %d fact%s", facts[number], plural(facts[number]))
   end
 end
 
@@ -7933,7 +7755,7 @@ do
   -- The limits valid for a telegram. The slave of a swapped reaction is in its command.
   local function learn_settings(record, bus, telegram)
     if packet.record then S.bus_learn_limits(bus.told, T.limits(packet.record)) end
-    S.cycle_heard(bus.cycles, telegram.times)
+    if not telegram.is_before then S.cycle_heard(bus.cycles, telegram.times) end
     if not bus.told.is_anything_told then return end
     local address = record.exchange and byte(record.exchange.from.path) or telegram.receiver
 
@@ -8001,7 +7823,7 @@ do
     if same and same.request and (exchange.repeat_of or exchange.is_step_again) then
       take_over(exchange, request, same, same.request)
     end
-    S.cycle_learn(record, telegram.times, request)
+    if not telegram.is_before then S.cycle_learn(record, telegram.times, request) end
   end
 end
 
@@ -11602,7 +11424,6 @@ do
   end
 
   DissectorTable.get("sertap.framing"):add(0, sis)
-  DissectorTable.get("sertap.told"):add(0, sis)
   DissectorTable.get("sertap.framing"):add(1, p3964r)
   DissectorTable.get("sertap.framing"):add(2, sisascii)
   DissectorTable.get("tcp.port"):add_for_decode_as(sis)

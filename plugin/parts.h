@@ -19,7 +19,6 @@ void sis_pieces_register(void);
 void sis_packet_register(void);
 void sis_packet_handoff(void);
 void sis_export_register(void);
-void sis_before_handoff(void);
 void sis_transports_handoff(void);
 
 void sisascii_register(void);

@@ -57,7 +57,6 @@ proto_reg_handoff_sis(void)
 {
     sertap_handoff();
     sis_packet_handoff();
-    sis_before_handoff();
     sis_transports_handoff();
     rk512_3964r_handoff();
     synax_arcnet7f_handoff();

@@ -234,6 +234,10 @@ class Scenario:
     def _do_reaction(self, rest: str) -> None:
         self._add(data=self._built(rest, reaction=True))
 
+    def _do_before(self, rest: str) -> None:
+        self._read(rest)
+        self.items[-1].kind = record.Type.BEFORE
+
     def _do_byte(self, rest: str) -> None:
         index, value = rest.split()
         data = bytearray(self.items[-1].data)

@@ -17,9 +17,10 @@ from sistap.tap.sis.telegram import is_whole
 
 # What explains telegrams, and what follows from it.
 FIELDS = (
-    *("sertap.event", "sis.parameter", "sis.parameter.name", "sis.parameter.unit", "sis.parameter.minimum"),
-    *("sis.parameter.maximum", "sis.value", "sis.value.number", "sis.error", "sis.reaction_time", "sis.bus.baud"),
-    *("sis.tza.limit", "sis.tza.verdict", "sis.trs.limit", "sis.trs.verdict", "sis.access"),
+    *("sertap.type", "sertap.event", "sis.parameter", "sis.parameter.name", "sis.parameter.unit"),
+    *("sis.parameter.minimum", "sis.parameter.maximum", "sis.value", "sis.value.number", "sis.error"),
+    *("sis.reaction_time", "sis.bus.baud", "sis.tza.limit", "sis.tza.verdict", "sis.trs.limit", "sis.trs.verdict"),
+    "sis.access",
 )
 
 
@@ -75,6 +76,4 @@ def shown(tshark: Tshark, capture: Path) -> list[list[str]]:
     """Return the fields of each record, without those that a file begins with."""
     fields = [word for name in FIELDS for word in ("-e", name)]
     rows = [line.split("\t") for line in tshark.lines(["-r", str(capture), "-T", "fields", *fields])]
-    return [
-        row for row in rows if row[0] not in {str(int(code)) for code in (Event.CAPTURE_STARTED, Event.TOLD_BEFORE)}
-    ]
+    return [row for row in rows if row[0] != str(int(Type.BEFORE)) and row[1] != str(int(Event.CAPTURE_STARTED))]

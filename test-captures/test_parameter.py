@@ -387,8 +387,9 @@ TWINS: Table = {
     34: "parameter.name=Behind",
     # The twin has another type now
     37: "parameter.name=Position feedback value 1 (motor feedback)",
-    # Told before
-    42: "parameter.name=Told",
+    # From before this file
+    46: "element.name=Told",
+    47: "parameter.name=Told",
 }
 
 

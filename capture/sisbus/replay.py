@@ -139,7 +139,7 @@ def _reads(path: Path, line: int, begin_ns: int) -> Iterator[Played]:
 
 
 def _with_characters(path: Path) -> Iterator[Record]:
-    return (record for record in records(path) if record.type != Type.EVENT and record.data)
+    return (record for record in records(path) if record.type in (Type.FRAME, Type.OTHER) and record.data)
 
 
 def _settings(record: Record) -> LineSettings:

@@ -127,10 +127,10 @@ def exchange(control: int, data: bytes, second: int) -> list[Record]:
 def ring(folder: Path) -> list[str]:
     """Write two files: values, and afterwards their attribute, 0x02210001: 2 bytes, signed, 2 decimal places."""
     start = event(SECOND, 0, LineSettings(), Event.CAPTURE_STARTED, "from a test")
-    told = event(5 * SECOND, 0, LineSettings(), Event.TOLD_BEFORE, "3 device 5 S-0-0040 unit Nm")
+    told = [one._replace(type=Type.BEFORE) for one in exchange(0x24, b"Nm", 5)]
     files = {
         "a": [start, *exchange(0x24, b"Nm", 1), *exchange(0x3C, b"\xf4\1", 2), *exchange(0x3C, b"\x18\xfc", 3)],
-        "b": [start._replace(time_ns=5 * SECOND), told, *exchange(0x1C, bytes.fromhex("01002102"), 6)],
+        "b": [start._replace(time_ns=5 * SECOND), *told, *exchange(0x1C, bytes.fromhex("01002102"), 6)],
     }
     files["b"] += exchange(0x3C, b"\xc4\t", 7)
     for name, records in files.items():
@@ -166,8 +166,8 @@ def kept(folder: Path, before_ns: int) -> list[str]:
     commands of the first file and the first two of the second without a reaction. The character before the second
     file was not kept, but how long it was ago.
     """
-    told = event(1800 * SECOND, 0, LineSettings(), Event.TOLD_BEFORE, "3 device 5 S-0-0040 unit Nm")
-    for name, from_s, silent, more in (("kept_1", 10, (28, 29), []), ("kept_2", 1800, (0, 1), [told])):
+    told = [one._replace(type=Type.BEFORE) for one in exchange(0x24, b"Nm", 1800)]
+    for name, from_s, silent, more in (("kept_1", 10, (28, 29), []), ("kept_2", 1800, (0, 1), told)):
         text = f"from a test; kept: unanswered at 1970-01-01 00:00:{from_s}.000"
         records = [event(from_s * SECOND, 0, LineSettings(), Event.CAPTURE_STARTED, text), *more]
         for second in range(30):

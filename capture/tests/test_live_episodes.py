@@ -23,7 +23,7 @@ from sistap.dissected.packets.dissection import Packet, Telegram
 from sistap.dissected.wireshark.rows import FRAME, OTHER
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files.pcapng import Interface
-from sistap.tap.records.record import Event
+from sistap.tap.records.record import Event, Type
 
 SECOND = 1_000_000_000
 HOUR_S, DAY_S = 3600.0, 86_400.0
@@ -256,8 +256,8 @@ def keep(tshark: Tshark, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ite
 
 def span_s(file: Path) -> tuple[float, float]:
     """Return when the first and the last record of a kept file came, in s of the night."""
-    events = (Event.CAPTURE_STARTED, Event.TOLD_BEFORE)
-    times = [record.time_ns for record in reading.records(file) if record.event not in events]
+    records = [one for one in reading.records(file) if one.event != Event.CAPTURE_STARTED and one.type != Type.BEFORE]
+    times = [record.time_ns for record in records]
     return min(times) / SECOND - planted.BEGIN_S, max(times) / SECOND - planted.BEGIN_S
 
 

@@ -62,7 +62,7 @@ def records(draw: st.DrawFn) -> Record:
 
 # The codes of the layout in plugin/docs/record.md, which files that exist already hold.
 CODES = {
-    Type: {"FRAME": 0, "OTHER": 1, "EVENT": 2},
+    Type: {"FRAME": 0, "OTHER": 1, "EVENT": 2, "BEFORE": 3},
     Framing: {"SIS": 0, "PROCEDURE_3964R": 1, "ASCII": 2, "SILENCE": 255},
     Event: {
         "NONE": 0,

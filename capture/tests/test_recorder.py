@@ -129,7 +129,7 @@ def test_each_file_has_its_window_and_each_record_once(
     for file, (since, until) in zip(files, windows, strict=True):
         started, *content = map(identity, reading.records(file))
         inside = [identity(record) for record in traffic[1:] if since <= record.time_ns <= until]
-        told = [one for one in reading.records(file) if one.event == Event.TOLD_BEFORE]
+        told = [one for one in reading.records(file) if one.type == Type.BEFORE]
         assert content == [*map(identity, told), *inside]
         assert bool(told) == (inside[0] != identity(traffic[1]))
         assert {started[0], *(one.time_ns for one in told)} == {inside[0][0]}
@@ -294,7 +294,7 @@ def test_a_ring_alone_is_compressed_up_to_its_newest_file(
     assert packed and all(path.name.endswith(".pcapng.gz") for path in packed) and newest.suffix == ".pcapng"
     assert recorder.kept == 0 and "0 files kept" in recorder.summary(Counters())
     content = [record for file in (*packed, newest) for record in list(reading.records(file))[1:]]
-    assert [identity(one) for one in content if one.event != Event.TOLD_BEFORE] == list(map(identity, traffic[1:]))
+    assert [identity(one) for one in content if one.type != Type.BEFORE] == list(map(identity, traffic[1:]))
 
 
 @pytest.fixture
@@ -366,7 +366,7 @@ def test_a_disk_without_room_for_compressed_kept_files(tshark: Tshark, traffic: 
         small_disk, by(tshark, "sis.checksum.status == 0"), Around(SECOND // 5, SECOND // 10), 50, compress=True
     )
     recorder = Recorder(wanted, tshark, LINE, said.append)
-    ballast = fill(small_disk, leaving=30_000)
+    ballast = fill(small_disk, leaving=40_000)
     play(recorder, traffic)
     packed, left = sorted(small_disk.glob("*.gz")), kept(small_disk)
     assert packed and len(left) > 1 and {*packed, *left, ballast} == set(small_disk.iterdir())
@@ -386,7 +386,7 @@ def test_the_ring_has_all(tshark: Tshark, traffic: list[Record], tmp_path: Path)
     files = sorted(tmp_path.glob("ring_*.pcapng"))
     assert len(files) > 1
     content = [record for file in files for record in list(reading.records(file))[1:]]
-    assert [identity(one) for one in content if one.event != Event.TOLD_BEFORE] == list(map(identity, traffic[1:]))
+    assert [identity(one) for one in content if one.type != Type.BEFORE] == list(map(identity, traffic[1:]))
 
 
 @pytest.mark.attack("the folder of a recorder is moved away", "a message; the capture goes on, the ring too")
@@ -624,7 +624,7 @@ def test_the_command_keeps_what_a_bus_does(tmp_path: Path, monkeypatch: pytest.M
     for file in kept(tmp_path / "kept"):
         started, *content = reading.records(file)
         assert started.event == Event.CAPTURE_STARTED and content
-        assert {identity(record) for record in content if record.event != Event.TOLD_BEFORE} <= known
+        assert {identity(record) for record in content if record.type != Type.BEFORE} <= known
 
 
 def test_kept_files_are_compressed_and_told_so(keep: Keep, tmp_path: Path) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a file of a ring begins with: facts that the bus told before, one in a line."""
+"""What a file of a ring begins with: the telegrams that told what explains later ones."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 from sistap.tap.line.settings import Flag, LineSettings
 from sistap.tap.records.before import Before, heard
-from sistap.tap.records.record import MAX_CHARACTERS, Event, Record, Type, event
+from sistap.tap.records.record import Event, Record, Type, event
 from sistap.tap.sis.telegram import build
 from sistap.tap.sis.told import MOST_PARAMETERS, Told
 
@@ -31,22 +31,27 @@ class Bus:
         for telegram in telegrams:
             self.told.take(telegram, 0)
 
-    def read(self, control: int, data: bytes, ident: bytes = S36, receiver: int = 3, path: bytes = b"") -> None:
+    def read(
+        self, control: int, data: bytes, ident: bytes = S36, receiver: int = 3, path: bytes = b""
+    ) -> tuple[bytes, bytes]:
         """Read an element of device 5."""
-        self.say(
-            build(0x10, 16, receiver, bytes([control | PIECE, 5]) + ident, subaddresses=path),
-            build(0x10, 16, receiver, bytes([0, control, 5]) + data, subaddresses=path, reaction=True),
-        )
+        command = build(0x10, 16, receiver, bytes([control | PIECE, 5]) + ident, subaddresses=path)
+        reaction = build(0x10, 16, receiver, bytes([0, control, 5]) + data, subaddresses=path, reaction=True)
+        self.say(command, reaction)
+        return command, reaction
 
-    def set(self, body: str, station: int = 3, *, status: int = 0) -> None:
+    def set(self, body: str, station: int = 3, *, status: int = 0) -> list[bytes]:
         """Set something with service 0x03, and answer."""
         command = bytes.fromhex(body)
-        self.say(build(0x03, 16, station, command))
+        telegrams = [build(0x03, 16, station, command)]
         if station < 254:
-            self.say(build(0x03, 16, station, bytes([status]) + command[:2], reaction=True))
+            telegrams += [build(0x03, 16, station, bytes([status]) + command[:2], reaction=True)]
+        self.say(*telegrams)
+        return telegrams
 
-    def lines(self, now_ns: int = 0) -> list[str]:
-        return self.told.lines(now_ns, PLENTY)
+    @property
+    def facts(self) -> list[bytes]:
+        return [said.telegram for said in self.told.telegrams(PLENTY)]
 
 
 @pytest.fixture
@@ -55,34 +60,28 @@ def bus() -> Bus:
 
 
 def test_elements_of_parameters(bus: Bus) -> None:
-    """Not values. A name may be a list, with two length words; a limit has the bytes as they came."""
-    bus.read(NAME, bytes.fromhex("05 00 19 00") + b"Speed")
-    bus.read(ATTRIBUTES, ATTRIBUTE)
-    bus.read(UNIT, b"1/min")
-    bus.read(MINIMUM, bytes.fromhex("00 2D 31 01"))
-    bus.read(VALUE, bytes.fromhex("00 00 00 00"))
-    bus.read(NAME, b"Grad \xb0C\r\x9b", P12, path=b"\x02\x08")
-    assert bus.lines() == [
-        "3 device 5 S-0-0036 name Speed",
-        "3 device 5 S-0-0036 attribute 0x04220001",
-        "3 device 5 S-0-0036 unit 1/min",
-        "3 device 5 S-0-0036 minimum 00 2d 31 01",
-        "3/2/8 device 5 P-0-0012 name Grad \u00b0C\u240d<9b>",
+    """Not values. A name may be a list, with two length words."""
+    told = [
+        *bus.read(NAME, bytes.fromhex("05 00 19 00") + b"Speed"),
+        *bus.read(ATTRIBUTES, ATTRIBUTE),
+        *bus.read(UNIT, b"1/min"),
+        *bus.read(MINIMUM, bytes.fromhex("00 2D 31 01")),
     ]
+    bus.read(VALUE, bytes.fromhex("00 00 00 00"))
+    told += bus.read(NAME, b"Grad \xb0C\r\x9b", P12, path=b"\x02\x08")
+    assert bus.facts == told
 
 
-@pytest.mark.parametrize(
-    ("ident", "text"), [("01 04 00", "A-0-0004"), ("02 42 20", "C-2-0066"), ("00 0C A0", "P-2-0012")]
-)
-def test_idents(bus: Bus, ident: str, text: str) -> None:
-    bus.read(NAME, b"N", bytes.fromhex(ident))
-    assert bus.lines() == [f"3 device 5 {text} name N"]
+@pytest.mark.parametrize("ident", ["01 04 00", "02 42 20", "00 0C A0"])
+def test_idents(bus: Bus, ident: str) -> None:
+    """A-0-0004, C-2-0066, P-2-0012."""
+    assert [*bus.read(NAME, b"N", bytes.fromhex(ident))] == bus.facts
 
 
 @pytest.mark.parametrize("ident", ["03 04 00", "01 04 80"])
 def test_idents_that_no_document_knows(bus: Bus, ident: str) -> None:
     bus.read(NAME, b"N", bytes.fromhex(ident))
-    assert bus.lines() == []
+    assert bus.facts == []
 
 
 def test_what_says_nothing(bus: Bus) -> None:
@@ -95,34 +94,39 @@ def test_what_says_nothing(bus: Bus) -> None:
     for _ in range(5):
         bus.read(NAME & ~PIECE, b"x" * 230)
     bus.read(NAME, b"x")
-    assert bus.lines() == []
+    assert bus.facts == []
 
 
 def test_an_empty_unit_says_that_there_is_none(bus: Bus) -> None:
-    bus.read(UNIT, bytes.fromhex("00 00 0C 00"))
-    assert bus.lines() == ["3 device 5 S-0-0036 unit"]
+    assert [*bus.read(UNIT, bytes.fromhex("00 00 0C 00"))] == bus.facts
 
 
 def test_the_newest_value_counts(bus: Bus) -> None:
     """A limit that was read before another attribute belongs to the attribute from before, so it stands before it."""
     bus.read(ATTRIBUTES, ATTRIBUTE)
-    bus.read(MINIMUM, b"\1\2")
-    bus.read(ATTRIBUTES, bytes.fromhex("01 00 21 01"))
-    assert [line.split(" ", 4)[4] for line in bus.lines()] == ["minimum 01 02", "attribute 0x01210001"]
+    told = [*bus.read(MINIMUM, b"\1\2"), *bus.read(ATTRIBUTES, bytes.fromhex("01 00 21 01"))]
+    assert bus.facts == told
+
+
+def test_what_is_read_again_stays_where_it_was(bus: Bus) -> None:
+    """The limit is read by that attribute."""
+    told = [*bus.read(ATTRIBUTES, ATTRIBUTE), *bus.read(MINIMUM, b"\1\2")]
+    bus.read(ATTRIBUTES, ATTRIBUTE)
+    assert bus.facts == told
 
 
 def test_swapped_addresses_and_telegram_numbers(bus: Bus) -> None:
-    command = bytes([NAME, 5]) + S36
-    bus.say(build(0x10, 16, 3, command, number=7), build(0x10, 3, 16, b"\0\x14\5N", number=7, reaction=True))
-    assert bus.lines() == ["3 device 5 S-0-0036 name N"]
+    command = build(0x10, 16, 3, bytes([NAME, 5]) + S36, number=7)
+    reaction = build(0x10, 3, 16, b"\0\x14\5N", number=7, reaction=True)
+    bus.say(command, reaction)
+    assert bus.facts == [command, reaction]
 
 
 def test_a_name_in_pieces(bus: Bus) -> None:
-    bus.read(NAME & ~PIECE, b"Vel")
-    bus.read(NAME & ~PIECE, b"oci")
-    assert bus.told.is_under_way
-    bus.read(NAME, b"ty")
-    assert bus.lines() == ["3 device 5 S-0-0036 name Velocity"]
+    told = [*bus.read(NAME & ~PIECE, b"Vel"), *bus.read(NAME & ~PIECE, b"oci")]
+    assert bus.told.is_under_way and bus.facts == []
+    told += bus.read(NAME, b"ty")
+    assert bus.facts == told
     assert not bus.told.is_under_way
 
 
@@ -131,9 +135,8 @@ def test_after_a_damaged_telegram_pieces_are_not_joined(bus: Bus) -> None:
     bus.told.disturb()
     bus.read(NAME & ~PIECE, b"oci")
     bus.read(NAME, b"ty")
-    assert bus.lines() == []
-    bus.read(NAME, b"Speed ")
-    assert bus.lines() == ["3 device 5 S-0-0036 name Speed "]
+    assert bus.facts == []
+    assert [*bus.read(NAME, b"Speed ")] == bus.facts
 
 
 def test_after_a_damaged_telegram_a_reaction_may_belong_to_it(bus: Bus) -> None:
@@ -141,45 +144,54 @@ def test_after_a_damaged_telegram_a_reaction_may_belong_to_it(bus: Bus) -> None:
     bus.say(command, build(0x10, 16, 3, b"\2\x14\5\1\x80", reaction=True))
     bus.told.disturb()
     bus.say(build(0x10, 16, 3, b"\0\x14\5N", reaction=True))
-    assert bus.lines() == []
+    assert bus.facts == []
 
 
 def test_a_list_of_services(bus: Bus) -> None:
     """Service 0x04: length, service, body."""
     asked = bytes([6, 0x10, NAME, 5]) + S36 + bytes([6, 0x10, UNIT, 5]) + S36
     said = b"\0" + bytes([5, 0x10, 0, NAME, 5]) + b"N" + bytes([5, 0x10, 1, UNIT, 5]) + b"x"
-    bus.say(build(0x04, 16, 3, asked), build(0x04, 16, 3, said, reaction=True))
-    assert bus.lines() == ["3 device 5 S-0-0036 name N"]
+    telegrams = [build(0x04, 16, 3, asked), build(0x04, 16, 3, said, reaction=True)]
+    bus.say(*telegrams)
+    assert bus.facts == telegrams
 
 
 def test_settings(bus: Bus) -> None:
-    """Set and accepted, by one or by all; refused; not answered."""
-    bus.set("03 02 05 00")  # TzA 5 ms
+    """Set, and accepted, by one or by all; not what was refused, or not answered."""
+    told = bus.set("03 02 05 00")  # TzA 5 ms
     bus.set("03 01 28 00", status=1)
     bus.say(build(0x03, 16, 3, bytes.fromhex("03 03 64 00")))
-    assert bus.lines() == ["3 TzA 5 ms not accepted"]
-    bus.set("03 FF")
-    assert bus.lines() == ["3 TzA 5 ms"]
-    bus.set("00 01 32 00", station=255)  # TrS 50 ms
-    bus.set("04 07 01", station=4)  # 19200 Bd
-    assert bus.lines() == ["3 TzA 5 ms", "all TrS 50 ms not accepted", "4 baud rate 19200 Bd not accepted"]
-    bus.set("04 FF", station=4)
-    assert bus.lines()[1:] == ["all TrS 50 ms not accepted", "4 TrS 50 ms", "4 baud rate 19200 Bd"]
-    bus.set("00 FF", station=255)
-    assert bus.lines()[1:] == ["all TrS 50 ms", "4 TrS 50 ms", "3 TrS 50 ms", "4 baud rate 19200 Bd"]
+    assert bus.facts == told
+    told += bus.set("03 FF")
+    assert bus.facts == told
+    told += [*bus.set("00 01 32 00", station=255), *bus.set("04 07 01", station=4)]  # TrS 50 ms; 19200 Bd
+    assert bus.facts == told
+    told += [*bus.set("04 FF", station=4), *bus.set("00 FF", station=255)]
+    assert bus.facts == told
+
+
+def test_of_what_is_set_again_the_last_stays(bus: Bus) -> None:
+    """But what was accepted also stays, until the same is accepted again."""
+    told = [*bus.set("03 02 05 00"), *bus.set("03 FF")]
+    again = bus.set("03 02 05 00")
+    assert bus.facts == [*told, *again]
+    assert [*again, *bus.set("03 FF")] == bus.facts
 
 
 def test_settings_behind_a_router_are_of_another_bus(bus: Bus) -> None:
     body = bytes.fromhex("03 02 05 00")
     bus.say(build(0x03, 16, 3, body, subaddresses=b"\2"))
     bus.say(build(0x03, 16, 3, b"\0" + body[:2], subaddresses=b"\2", reaction=True))
-    assert bus.lines() == []
+    assert bus.facts == []
 
 
 def test_a_timed_test_of_a_rate(bus: Bus) -> None:
+    """No file begins while it goes on, and afterwards nothing is left of it."""
     bus.set("03 08 F4 01 02")  # 38400 Bd for 500 ms
-    assert bus.lines(200 * MS) == [f"3 baud rate 38400 Bd for {300 * MS} ns"]
-    assert bus.lines(501 * MS) == []
+    bus.told.take(build(0x1D, 16, 255, b"\4"), 499 * MS)
+    assert bus.told.is_under_way and bus.facts == []
+    bus.told.take(build(0x1D, 16, 255, b"\4"), 500 * MS)
+    assert not bus.told.is_under_way
 
 
 def test_what_is_under_way(bus: Bus) -> None:
@@ -206,11 +218,11 @@ def test_what_is_under_way(bus: Bus) -> None:
 def test_the_newest_stay(bus: Bus) -> None:
     for number in range(MOST_PARAMETERS + 10):
         bus.read(NAME, b"N", b"\0" + (number % 4096).to_bytes(2, "little"), receiver=3 + number // 4096)
-    lines = bus.lines()
-    assert len(lines) == MOST_PARAMETERS
-    assert lines[0] == "3 device 5 S-0-0010 name N"
-    size = len(lines[-1]) + 1
-    assert bus.told.lines(0, 2 * size) == [*lines[-2:], f"and {MOST_PARAMETERS - 2} more, which are older"]
+    newest = [*bus.read(NAME, b"N", b"\1\0\0"), *bus.read(NAME, b"N", b"\1\1\0")]
+    assert len(bus.facts) == 2 * MOST_PARAMETERS
+    most = sum(map(len, newest))
+    for characters, told in ((most, newest), (most + 1, newest), (most - 1, newest[2:]), (0, [])):
+        assert [said.telegram for said in bus.told.telegrams(characters)] == told
 
 
 def record(telegram: bytes, line: int = 0, time_ns: int = 0) -> Record:
@@ -224,28 +236,24 @@ def named(line: int, name: bytes) -> list[Record]:
 
 
 def test_two_directions_are_one_bus() -> None:
-    """Its events are on its first line."""
+    """Each telegram is on its line, at the time of the file's beginning; when its characters came is not known."""
     before = Before()
-    for one in named(1, b"N"):
+    said = named(1, b"N")
+    for one in said:
         before.take(heard(one))
-    (told,) = before.events(7)
-    assert (told.time_ns, told.line, told.event) == (7, 1, Event.TOLD_BEFORE)
-    assert told.data == b"3 device 5 S-0-0036 name N"
+    for one, told in zip(said, before.records(7), strict=True):
+        count = len(one.data)
+        unknown = bytes([Flag.INTERVAL_UNKNOWN] * count)
+        assert told == one._replace(time_ns=7, type=Type.BEFORE, intervals=(0,) * count, flags=unknown)
 
 
-def test_many_facts_need_several_events() -> None:
-    before = Before()
-    bus = Bus()
-    for number in range(2000):
-        ident = b"\0" + number.to_bytes(2, "little")
-        asked = build(0x10, 16, 3, bytes([NAME, 5]) + ident)
-        said = build(0x10, 16, 3, b"\0\x14\5" + b"n" * 50, reaction=True)
-        bus.say(asked, said)
-        before.take(heard(record(asked)))
-        before.take(heard(record(said)))
-    texts = [told.data.decode() for told in before.events(0)]
-    assert len(texts) > 2 and max(map(len, texts)) < MAX_CHARACTERS
-    assert "\n".join(texts).splitlines() == bus.lines()
+def test_a_file_passes_on_what_it_begins_with() -> None:
+    first, second = Before(), Before()
+    for one in named(0, b"N"):
+        first.take(heard(one))
+    for one in first.records(7):
+        second.take(heard(one))
+    assert [*second.records(7)] == [*first.records(7)] != []
 
 
 @pytest.mark.parametrize(
@@ -265,17 +273,15 @@ def test_what_disturbs(between: Record) -> None:
     refused = record(build(0x10, 16, 3, b"\2\x14\5\1\x80", reaction=True))
     for one in (asked, refused, between, said):
         before.take(heard(one))
-    (told,) = before.events(0)
-    assert told.data == b"nothing that explains later telegrams"
+    assert [*before.records(0)] == []
 
 
 def test_limits_of_a_line_that_appeared_later() -> None:
     """Whoever captures has told them; each file begins with them."""
     before = Before()
     before.take(heard(event(0, 3, LineSettings(), Event.LIMITS_TOLD, "TzA = 8 ms")))
-    limits, told = before.events(9)
+    (limits,) = before.records(9)
     assert (limits.time_ns, limits.line, limits.event, limits.data) == (9, 3, Event.LIMITS_TOLD, b"TzA = 8 ms")
-    assert told.event == Event.TOLD_BEFORE
 
 
 def test_after_a_second_of_silence_nothing_is_under_way() -> None:
@@ -288,8 +294,10 @@ def test_after_a_second_of_silence_nothing_is_under_way() -> None:
 
 def test_types_of_devices(bus: Bus) -> None:
     """Type key and firmware (chapter 3); a twin may explain the parameters of a device."""
+    told = []
     for subservice, text in ((3, b"DKC02.3-040-7-FW"), (2, b"FWA 1"), (1, b"01V01"), (3, b"")):
-        bus.say(build(0x00, 16, 3, bytes([3, subservice])))
-        bus.say(build(0x00, 16, 3, bytes([0, 3, subservice]) + text, reaction=True))
+        command = build(0x00, 16, 3, bytes([3, subservice]))
+        told += [command, build(0x00, 16, 3, bytes([0, 3, subservice]) + text, reaction=True)]
+    bus.say(*told)
     bus.say(build(0x00, 16, 3, b"\3\3"), build(0x00, 16, 3, b"\xf1\3\3refused", reaction=True))
-    assert bus.lines() == ["3 device 3 type key DKC02.3-040-7-FW", "3 device 3 firmware FWA 1"]
+    assert bus.facts == told[:4]

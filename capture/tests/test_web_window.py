@@ -15,7 +15,7 @@ from sistap.commands.web.play import Play
 from sistap.commands.web.window import MOST, Window
 from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
 from sistap.tap.line.settings import LineSettings
-from sistap.tap.records.record import Event, Record, Type, unpack
+from sistap.tap.records.record import Record, Type, unpack
 from sistap.tap.sis.telegram import build
 
 MS = 1_000_000
@@ -44,11 +44,10 @@ def test_the_last_records_come_after_what_was_told_before() -> None:
     for place in range(2, MOST + 1):
         window.add(record(place, NAME_OF_S36[0]))
     assert window.left_out == MOST // 2
-    first, *others = shown(window.capture())
-    assert first.event == Event.TOLD_BEFORE
-    assert first.data.decode() == "3 device 5 S-0-0036 name Speed"
+    command, reaction, *others = shown(window.capture())
+    assert [(one.type, one.data) for one in (command, reaction)] == [(Type.BEFORE, one) for one in NAME_OF_S36]
     assert len(others) == MOST + 1 - MOST // 2
-    assert window.before == 1
+    assert window.before == 2
 
 
 @pytest.mark.parametrize("name", [name for name in scenario.names() if scenario.load(name).is_complete])

@@ -174,8 +174,9 @@ parse_number(const char *text, sis_ident_t *ident)
     return text != NULL && take_number(&text, ident) && *text == '\0';
 }
 
-bool
-sis_place_parse(const char **text, sis_place_t *place)
+/* "3", or behind routers "3/2/8"; the place behind it. False: it is no path. */
+static bool
+take_place(const char **text, sis_place_t *place)
 {
     unsigned station;
 
@@ -233,7 +234,7 @@ static bool
 parse_station(const char *text, sis_place_t *place)
 {
     *place = (sis_place_t){0};
-    return text == NULL || text[0] == '\0' || (sis_place_parse(&text, place) && *text == '\0');
+    return text == NULL || text[0] == '\0' || (take_place(&text, place) && *text == '\0');
 }
 
 const char *

@@ -34,9 +34,6 @@ typedef struct {
     uint8_t device;
 } sis_place_t;
 
-/* "3", or behind routers "3/2/8"; the place behind it. False: it is no path. */
-bool sis_place_parse(const char **text, sis_place_t *place);
-
 /* The same text. */
 const char *sis_place_text(wmem_allocator_t *scope, const sis_place_t *place);
 

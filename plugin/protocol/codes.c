@@ -335,6 +335,7 @@ const value_string sis_sertap_types[] = {
     {SERTAP_FRAME, "Frame"},
     {SERTAP_OTHER, "Other characters"},
     {SERTAP_EVENT, "Event"},
+    {SERTAP_BEFORE, "Frame from before this file"},
     {0, NULL},
 };
 
@@ -377,7 +378,7 @@ const value_string sis_sertap_events[] = {
     {SERTAP_ADAPTER_LOST, "Adapter lost"},
     {5, "Marker"},
     {SERTAP_LIMITS_TOLD, "Limits told by the user"},
-    {SERTAP_TOLD_BEFORE, "Told before"},
+    {7, "Told before"},
     {0, NULL},
 };
 

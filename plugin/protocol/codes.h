@@ -124,6 +124,7 @@ typedef enum {
     SERTAP_FRAME = 0,
     SERTAP_OTHER = 1,
     SERTAP_EVENT = 2,
+    SERTAP_BEFORE = 3,
 } sertap_type_t;
 extern const value_string sis_sertap_types[];
 
@@ -145,7 +146,6 @@ enum {
     SERTAP_CHARACTERS_LOST = 3,
     SERTAP_ADAPTER_LOST = 4,
     SERTAP_LIMITS_TOLD = 6,
-    SERTAP_TOLD_BEFORE = 7,
 };
 extern const value_string sis_sertap_events[];
 

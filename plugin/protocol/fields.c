@@ -166,7 +166,6 @@ int hf_sis_list_actual = -1;
 int hf_sis_list_maximum = -1;
 int hf_sis_access = -1;
 int hf_sis_packed = -1;
-int hf_sis_told_before = -1;
 int hf_sis_text = -1;
 int hf_sis_element_length = -1;
 int hf_sis_stream = -1;
@@ -408,6 +407,7 @@ expert_field ei_sertap_error_character_expert = EI_INIT;
 expert_field ei_sertap_error_break_expert = EI_INIT;
 expert_field ei_sertap_error_lost_expert = EI_INIT;
 expert_field ei_sertap_error_unlocated_expert = EI_INIT;
+expert_field ei_sertap_before = EI_INIT;
 expert_field ei_sertap_event_expert = EI_INIT;
 expert_field ei_sis_list_recursion = EI_INIT;
 expert_field ei_sis_command_unanswered = EI_INIT;
@@ -473,7 +473,7 @@ protocol_register_sertap(void)
     static hf_register_info fields[] = {
         {&hf_sertap_version, {"Version", "sertap.version", FT_UINT8, BASE_DEC, NULL, 0, "Version of the record's layout", HFILL}},
         {&hf_sertap_header_length, {"Header length", "sertap.header_length", FT_UINT8, BASE_DEC, NULL, 0, "Bytes of the record before the characters", HFILL}},
-        {&hf_sertap_type, {"Type", "sertap.type", FT_UINT8, BASE_DEC, VALS(sis_sertap_types), 0, "A frame, characters that belong to no frame, or an event of the tap", HFILL}},
+        {&hf_sertap_type, {"Type", "sertap.type", FT_UINT8, BASE_DEC, VALS(sis_sertap_types), 0, "A frame, characters that belong to no frame, an event of the tap, or a frame from before this file", HFILL}},
         {&hf_sertap_line, {"Line", "sertap.line", FT_UINT8, BASE_DEC, VALS(sis_sertap_lines), 0, "The shared bus, or one direction of a full-duplex line", HFILL}},
         {&hf_sertap_baud, {"Baud rate", "sertap.baud", FT_UINT32, BASE_DEC, NULL, 0, "The rate at which the tap listened, in bits per second; 0: not known", HFILL}},
         {&hf_sertap_format, {"Character format", "sertap.format", FT_STRING, BASE_NONE, NULL, 0, "Data bits, parity and stop bits that the tap listened with", HFILL}},
@@ -507,6 +507,7 @@ protocol_register_sertap(void)
         {&ei_sertap_error_break_expert, {"sertap.error.break.expert", PI_PROTOCOL, PI_WARN, "Break on the line", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The line was low for longer than a character: a short circuit, a wrong rate, or a signal on purpose. Check baud rate first, then the wires.", HFILL}}}},
         {&ei_sertap_error_lost_expert, {"sertap.error.lost.expert", PI_SEQUENCE, PI_WARN, "Characters were lost before the tap could read them", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The tap was too slow, so characters are missing here. Close other programs, or use an adapter with a larger buffer: sistap doctor.", HFILL}}}},
         {&ei_sertap_error_unlocated_expert, {"sertap.error.unlocated.expert", PI_CHECKSUM, PI_WARN, "A line error, the adapter does not say at which character", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "One of the characters of this read was wrong. Check baud rate and format first, then cable, termination and ground.", HFILL}}}},
+        {&ei_sertap_before, {"sertap.before", PI_SEQUENCE, PI_CHAT, "From before this file: learned from, not counted, not judged", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The file continues another. This telegram came earlier and explains what follows: a name, a unit, a limit. Nothing. Its time is that of the beginning of the file.", HFILL}}}},
         {&ei_sertap_event_expert, {"sertap.event.expert", PI_SEQUENCE, PI_WARN, "The capture has a gap", 0, NULL, 0, {0, {NULL, NULL, FT_NONE, BASE_NONE, NULL, 0, "The tap heard nothing for a while, whatever happened on the line. Read the text of the event. Do not count silences across it.", HFILL}}}},
     };
     static int *subtrees[] = {&ett_sertap, &ett_sertap_format, &ett_sertap_characters, &ett_sertap_character};
@@ -550,7 +551,6 @@ protocol_register_sis(void)
         {&hf_sis_list_maximum, {"Maximum length of the list", "sis.list.maximum", FT_UINT16, BASE_DEC | BASE_UNIT_STRING, UNS(&unit_sis_list_maximum), 0, "Bytes that the list can have; the second word of a list", HFILL}},
         {&hf_sis_access, {"Access", "sis.access", FT_STRING, BASE_NONE, NULL, 0, "What was read or written of a parameter, as JSON: for programs", HFILL}},
         {&hf_sis_packed, {"Fields of this telegram", "sis.packed", FT_STRING, BASE_NONE, NULL, 0, "The fields of a telegram that is not the first of its packet, with the number of values of each: for programs", HFILL}},
-        {&hf_sis_told_before, {"Told before", "sis.told_before", FT_STRING, BASE_NONE, NULL, 0, "Heard on the bus before this file began", HFILL}},
         {&hf_sis_text, {"Text", "sis.text", FT_STRING, BASE_NONE, NULL, 0, "Useful data of a product group that are plain ASCII", HFILL}},
         {&hf_sis_element_length, {"Length", "sis.element_length", FT_UINT8, BASE_DEC, NULL, 0, "Service and body of this element", HFILL}},
         {&hf_sis_stream, {"Stream", "sis.stream", FT_UINT32, BASE_DEC, NULL, 0, "One number for each pair of stations", HFILL}},

@@ -195,6 +195,8 @@ sertap_line_note(packet_info *pinfo, sertap_record_t *record)
 {
     line_t *line = record->known = find_line(pinfo);
 
+    if (record->type == SERTAP_BEFORE)
+        return;
     note_disturbance(line, pinfo, record);
     if (record->type == SERTAP_EVENT) {
         note_event(line, pinfo, record);

@@ -15,7 +15,7 @@
 #define RECORD_VERSION     1
 #define RECORD_HEADER_SIZE 20
 
-static dissector_table_t framing_table, told_table;
+static dissector_table_t framing_table;
 static int tap_sertap = -1;
 
 /* The name of a flag at its character, and, for an error, the text about its record. */
@@ -286,20 +286,6 @@ report_errors(packet_info *pinfo, proto_item *ti, const sertap_record_t *record)
     }
 }
 
-/* The facts, a line each, for the dissector of what travels on the line. Half a fact would be another one. */
-static void
-hand_over_told(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
-{
-    unsigned length = record->values;
-
-    while (record->values < record->declared && length > 0 &&
-           compat_get_uint8(tvb, record->data_offset + length - 1) != '\n')
-        length--;
-    if (length > 0)
-        compat_try_uint(told_table, record->framing,
-                        tvb_new_subset_length(tvb, record->data_offset, (int)length), pinfo, tree, NULL);
-}
-
 static void
 dissect_event(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_record_t *record)
 {
@@ -311,8 +297,6 @@ dissect_event(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
     if (record->event == SERTAP_CHARACTERS_LOST || record->event == SERTAP_ADAPTER_LOST)
         expert_add_info_format(pinfo, ti, &ei_sertap_event_expert, "%s", name);
     col_add_fstr(pinfo->cinfo, COL_INFO, "%s: %s", name, text);
-    if (record->event == SERTAP_TOLD_BEFORE)
-        hand_over_told(tvb, pinfo, tree, record);
 }
 
 /* Whether these characters are readable text. */
@@ -377,6 +361,16 @@ dissect_frame(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, const serta
         call_data_dissector(payload, pinfo, parent);
 }
 
+/* What travels on the line is only learned from. */
+static void
+dissect_before(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, proto_item *root,
+               const sertap_record_t *record)
+{
+    expert_add_info(pinfo, root, &ei_sertap_before);
+    dissect_frame(tvb, pinfo, parent, record);
+    col_prepend_fstr(pinfo->cinfo, COL_INFO, "Before this file: ");
+}
+
 static int
 dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data _U_)
 {
@@ -402,7 +396,8 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
     if (!pinfo->fd->visited)
         sertap_line_note(pinfo, record);
     sertap_line_find_silence(pinfo, record);
-    tap_queue_packet(tap_sertap, pinfo, record); /* before a dissector finds that the capture has cut it */
+    if (record->type != SERTAP_BEFORE) /* before a dissector finds that the capture has cut it */
+        tap_queue_packet(tap_sertap, pinfo, record);
     if (record->type == SERTAP_EVENT) {
         dissect_event(tvb, pinfo, tree, record);
     } else {
@@ -410,6 +405,8 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
             add_characters(tree, pinfo, tvb, record);
         if (record->type == SERTAP_FRAME)
             dissect_frame(tvb, pinfo, parent, record);
+        else if (record->type == SERTAP_BEFORE)
+            dissect_before(tvb, pinfo, parent, root, record);
         else
             dissect_other(tvb, pinfo, tree, record);
         report_errors(pinfo, root, record); /* after the info column has its text */
@@ -467,8 +464,6 @@ sertap_register(void)
 
     framing_table =
         register_dissector_table("sertap.framing", "Serial framing", proto_sertap, FT_UINT8, BASE_DEC);
-    told_table = register_dissector_table("sertap.told", "What was told before, by framing", proto_sertap,
-                                          FT_UINT8, BASE_DEC);
     register_decode_as_framing();
     register_dissector("sertap", dissect_sertap, proto_sertap);
     tap_sertap = register_tap("sertap");

@@ -25,14 +25,14 @@ sis_access_is_wanted(proto_tree *tree)
     return tree != NULL && proto_field_is_referenced(tree, hf_sis_access);
 }
 
-/* A reaction that comes twice is counted once. */
+/* A reaction that comes twice is counted once, one from before this file not at all. */
 static bool
 is_known(const sis_body_t *body)
 {
     const sis_request_t *asked = body->asked;
 
     return body->record != NULL && body->record->reaction_before == 0 && asked != NULL && asked->has_ident &&
-           asked->element == SIS_ELEMENT_DATA && !body->is_short;
+           asked->element == SIS_ELEMENT_DATA && !body->is_short && !body->telegram->is_before;
 }
 
 static const char *

@@ -155,25 +155,6 @@ sis_bus_learn(sis_body_t *body)
     }
 }
 
-void
-sis_bus_recall(sis_bus_t *bus, const sis_recalled_t *recalled, uint32_t event_in)
-{
-    struct sis_told *told = told_of(bus);
-    station_t *station;
-    sis_setting_t setting = {.value = recalled->value, .set_in = event_in, .order = ++told->last_order};
-
-    forget_known(told);
-    station = make_station(told, recalled->address);
-    if (recalled->test_end != 0) {
-        station->test = (test_t){setting, recalled->test_end};
-    } else if (recalled->is_accepted) {
-        setting.accepted_in = event_in;
-        station->valid.of[recalled->kind] = setting;
-    } else {
-        station->told.of[recalled->kind] = setting;
-    }
-}
-
 /* "TzA = 8 ms" in a text; 0: it is not there, or no time that a bus can be told. */
 static uint32_t
 find_limit(const char *text, const char *name)

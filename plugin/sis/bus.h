@@ -28,18 +28,6 @@ typedef struct sis_settings {
 /* First pass: takes a command or reaction of service 0x03. */
 void sis_bus_learn(sis_body_t *body);
 
-/* A setting that was told before this file began. */
-typedef struct {
-    uint8_t address; /* or SIS_ALL_STATIONS */
-    sis_setting_kind_t kind;
-    uint32_t value;
-    bool is_accepted;
-    int64_t test_end; /* of a timed test, ns since 1970; 0: it is none */
-} sis_recalled_t;
-
-/* First pass: takes over such a setting, which an event says. */
-void sis_bus_recall(sis_bus_t *bus, const sis_recalled_t *recalled, uint32_t event_in);
-
 /* First pass: takes over what the user told of this bus. It counts for stations that the bus has told
  * nothing. */
 void sis_bus_learn_limits(sis_bus_t *bus, const sertap_limits_t *limits);

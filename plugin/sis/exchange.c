@@ -45,7 +45,7 @@ sis_exchange_bus(packet_info *pinfo)
     return bus;
 }
 
-KEPT_KEY(sis_stream_key_t, 8 + 3 + 7 + 6)
+KEPT_KEY(sis_stream_key_t, 8 + 3 + 7 + 1 + 5)
 
 static sis_stream_key_t
 stream_key(const sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
@@ -57,6 +57,7 @@ stream_key(const sis_bus_t *bus, tvbuff_t *tvb, const sis_telegram_t *telegram)
     key.high = MAX(telegram->sender, telegram->receiver);
     key.subaddress_count = telegram->subaddress_count;
     tvb_memcpy(tvb, key.subaddresses, SIS_STATIC_LENGTH, telegram->subaddress_count);
+    key.is_before = telegram->is_before;
     return key;
 }
 
@@ -199,6 +200,21 @@ follow_command(sis_exchange_t *exchange, sis_exchange_t *before, const sis_teleg
         exchange->wait = wait_since(before->command_end, &telegram->times);
 }
 
+/* What the commands before it are to a command of this file. */
+static void
+find_relations(sis_exchange_t *exchange, sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo,
+               const sis_telegram_t *telegram)
+{
+    const void *master = GUINT_TO_POINTER(telegram->sender);
+    sis_exchange_t *before = wmem_map_lookup(bus->last, master);
+
+    find_route(exchange, tvb, pinfo, telegram);
+    if (before != NULL)
+        follow_command(exchange, before, telegram);
+    wmem_map_insert(bus->last, master, exchange);
+    bus->newest = exchange;
+}
+
 static sis_exchange_t *
 begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_telegram_t *telegram)
 {
@@ -206,8 +222,6 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
     unsigned direction = command_direction(telegram);
     sis_direction_t *from = &stream->from[direction];
     sis_exchange_t *exchange = wmem_new0(wmem_file_scope(), sis_exchange_t);
-    const void *master = GUINT_TO_POINTER(telegram->sender);
-    sis_exchange_t *before = wmem_map_lookup(bus->last, master);
 
     exchange->stream = stream;
     exchange->direction = (uint8_t)direction;
@@ -229,11 +243,8 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
         find_repeat(exchange, from, tvb, telegram);
     exchange->request =
         sis_request_new(wmem_file_scope(), telegram->service, from->same, exchange->first != NULL);
-    find_route(exchange, tvb, pinfo, telegram);
-    if (before != NULL)
-        follow_command(exchange, before, telegram);
-    wmem_map_insert(bus->last, master, exchange);
-    bus->newest = exchange;
+    if (!telegram->is_before)
+        find_relations(exchange, bus, tvb, pinfo, telegram);
 
     if (from->last != NULL)
         leave_route(from->last);
@@ -241,7 +252,7 @@ begin_exchange(sis_bus_t *bus, tvbuff_t *tvb, packet_info *pinfo, const sis_tele
     from->bytes = tvb_memdup(wmem_file_scope(), tvb, 0, telegram->declared);
     from->length = telegram->declared;
     from->last = exchange;
-    if (telegram->subaddress_count > 0)
+    if (telegram->subaddress_count > 0 && !telegram->is_before)
         sis_route_wait(&routing_of(exchange)->waiting, exchange, tvb, pinfo, telegram);
     return exchange;
 }
@@ -368,7 +379,7 @@ end_exchange(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_info *p
         if (stream->bus->is_connection)
             exchange->next_command_in = 0; /* a master need not wait there */
         leave_route(exchange);
-        exchange->has_time = exchange->command_in != pinfo->num;
+        exchange->has_time = exchange->command_in != pinfo->num && !telegram->is_before;
         exchange->reaction_time = sertap_elapsed(exchange->command_end, telegram->times.begin);
         exchange->is_measured = sis_is_measured(exchange->reaction_time, &telegram->times);
         if (sis_exchange_below(exchange) != NULL)
@@ -410,7 +421,7 @@ sis_exchange_learn(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_i
         answer_damaged(record, bus);
     else
         end_exchange(record, bus, tvb, pinfo, telegram);
-    bus->damage.is_there = false;
+    bus->damage.is_there &= telegram->is_before;
 }
 
 void

@@ -38,7 +38,8 @@ typedef struct {
     uint8_t low, high;
     uint8_t subaddress_count;
     uint8_t subaddresses[7];
-    uint8_t zero[6];
+    bool is_before; /* this file: no repeat, no time to what is in it */
+    uint8_t zero[5];
 } sis_stream_key_t;
 
 /* The commands of one direction of a stream. */

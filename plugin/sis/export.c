@@ -33,7 +33,7 @@ new_object(const sis_body_t *body, const char *type)
 {
     sis_object_t *object;
 
-    if (!have_tap_listener(tap) || !sis_has_exchange(body))
+    if (!have_tap_listener(tap) || !sis_has_exchange(body) || body->telegram->is_before)
         return NULL;
     object = wmem_new0(body->pinfo->pool, sis_object_t);
     object->type = type;

@@ -22,7 +22,8 @@ learn_settings(sis_record_t *record, sis_bus_t *bus, packet_info *pinfo, const s
         address = SIS_ALL_STATIONS;
     if (times->record != NULL)
         sis_bus_learn_limits(bus, sertap_limits(times->record));
-    sis_cycle_heard(bus, times, pinfo->num);
+    if (!telegram->is_before)
+        sis_cycle_heard(bus, times, pinfo->num);
     record->settings = sis_bus_settings(bus, address, times->begin);
     record->load = times->record != NULL ? sertap_load(times->record) : -1;
 }
@@ -65,6 +66,7 @@ sis_learn_body(sis_body_t *body)
     sis_sequence_learn(body);
     if (body->element == 0 && !body->is_reaction) {
         body->request->is_read = true;
-        sis_cycle_learn(body);
+        if (!body->telegram->is_before)
+            sis_cycle_learn(body);
     }
 }

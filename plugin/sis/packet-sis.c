@@ -365,7 +365,8 @@ dissect_useful_data(const dissection_t *d)
     if (telegram->is_good)
         show_relations(d);
     sis_dissect_body(&body);
-    sis_timing_dissect(d->telegram, d->record, &body);
+    if (!telegram->is_before)
+        sis_timing_dissect(d->telegram, d->record, &body);
     d->telegram->status_text = body.status_text;
     d->telegram->error_text = body.error_text;
     d->telegram->error = body.error;
@@ -469,7 +470,8 @@ dissect_whole_telegram(dissection_t *d)
         proto_item_append_text(d->root, ", %s, %s, %s", stations, kind,
                                sis_text_shortened(d->pinfo->pool, words, HEAD_LENGTH));
     packet->last = d->telegram;
-    tap_queue_packet(sis_tap, d->pinfo, d->telegram);
+    if (!d->telegram->is_before)
+        tap_queue_packet(sis_tap, d->pinfo, d->telegram);
 }
 
 /* Fewer than the 8 bytes of every telegram. */

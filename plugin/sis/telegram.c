@@ -27,8 +27,10 @@ sis_telegram_read(tvbuff_t *tvb, packet_info *pinfo)
     const uint8_t *header = tvb_get_ptr(tvb, 0, SIS_STATIC_LENGTH);
     unsigned there = tvb_reported_length(tvb);
     const sis_telegram_t *before = sis_packet(pinfo)->last;
+    const sertap_record_t *tap = sertap_record(pinfo);
 
     telegram->tvb = tvb;
+    telegram->is_before = tap != NULL && tap->type == SERTAP_BEFORE;
     telegram->control = header[4];
     telegram->service = header[5];
     telegram->sender = header[6];

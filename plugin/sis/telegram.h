@@ -42,6 +42,7 @@ typedef struct {
     tvbuff_t *tvb;     /* begins with it; what is no part of it may follow */
     unsigned length;   /* of its bytes in the packet, without those that follow it */
     unsigned declared; /* declared bytes; 0: unknown */
+    bool is_before;    /* from before this file: learned from, not counted, not judged */
     bool is_good;      /* start character, equal lengths, complete, checksum */
     uint8_t control;
     uint8_t service;

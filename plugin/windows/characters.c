@@ -74,8 +74,7 @@ packet(stats_tree *tree, packet_info *pinfo, epan_dissect_t *edt _U_, const void
     static const char *const types[] = {"Frames", "Other characters", "Events"};
     const sertap_record_t *record = data;
 
-    if (!sertap_can_be_counted(pinfo) ||
-        (record->type == SERTAP_EVENT && record->event == SERTAP_TOLD_BEFORE)) /* of another file */
+    if (!sertap_can_be_counted(pinfo))
         return TAP_PACKET_DONT_REDRAW;
     tick_stat_node(tree, "Records", 0, TRUE);
     if (record->type < array_length(types))

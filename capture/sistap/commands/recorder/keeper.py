@@ -38,7 +38,7 @@ class Beginning(NamedTuple):
     """What a file begins with."""
 
     heading: bytes  # section and interfaces
-    known: list[Record]  # what was told before: limits, names, units
+    known: list[Record]  # from before: limits, and telegrams that told names, units
     first_ns: int  # time of its first record
     time_ns: int  # of the reason
     reason: str
@@ -128,7 +128,7 @@ class Keeper:
         self._size += len(entry.block)
 
     def _open(self, first_ns: int, time_ns: int) -> None:
-        known = list(self._known.events(first_ns))
+        known = list(self._known.records(first_ns))
         self._file = self._begin(Beginning(self._heading, known, first_ns, time_ns, self._reason))
         self._size = 0
         self._reasons = {self._reason: None}

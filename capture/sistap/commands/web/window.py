@@ -43,10 +43,10 @@ class Window:
         return len(self._started) + len(self._told())
 
     def _told(self) -> list[bytes]:
-        """Return the events that say what was told before the last records; none while all records are there."""
+        """Return the telegrams before the last records that explain them; none while all records are there."""
         if not self.left_out:
             return []
-        return [self._blocks.packet(record) for record in self._before.events(self._cut_ns)]
+        return [self._blocks.packet(record) for record in self._before.records(self._cut_ns)]
 
     def _leave_out(self, count: int) -> None:
         for _ in range(count):

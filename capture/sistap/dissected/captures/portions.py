@@ -14,7 +14,7 @@ from sistap.dissected.captures.reading import NotCaptured
 from sistap.tap.common import temporary
 from sistap.tap.files import pcapng
 from sistap.tap.records.before import Before, heard
-from sistap.tap.records.record import Event
+from sistap.tap.records.record import Type
 
 # Bytes of captures that are read at once: tshark needs up to three times as much memory. So it needs about 1 GB.
 TOGETHER = 400_000_000
@@ -115,7 +115,7 @@ def _blocks(capture: Path, say: Callable[[str], None]) -> Iterator[reading.Block
 def _is_told(capture: Path) -> bool:
     """Tell whether what was told before is at its beginning."""
     try:
-        return any(record.event == Event.TOLD_BEFORE for record in islice(reading.records(capture), _FIRST))
+        return any(record.type == Type.BEFORE for record in islice(reading.records(capture), _FIRST))
     except (OSError, NotCaptured):
         return False
 
@@ -144,7 +144,7 @@ class _Facts:
         blocks = [pcapng.section_header("sistap", "")]
         blocks += [pcapng.block(pcapng.INTERFACE_DESCRIPTION, description) for description in self._before]
         for number, before in enumerate(self._before.values()):
-            packets = [pcapng.upper_pdu("sertap", event.pack()) for event in before.events(time_ns)]
+            packets = [pcapng.upper_pdu("sertap", record.pack()) for record in before.records(time_ns)]
             blocks += [pcapng.enhanced_packet(number, time_ns, packet) for packet in packets]
         path = folder / "told.pcapng"
         path.write_bytes(b"".join(blocks))

@@ -199,7 +199,7 @@ class Relay:
         """Start a tshark that judges from a record on, and send it its context. May raise OSError."""
         running = self._start(self._token)
         assert self._blocks
-        told = map(self._blocks.packet, self._before.events(self._last_ns))
+        told = map(self._blocks.packet, self._before.records(self._last_ns))
         known = [*self._started, *told, *(entry.block for entry in context if entry.is_packet)]
         running.put(self._heading + b"".join(known))
         self._posts.append(_Post(running, first, len(known)))

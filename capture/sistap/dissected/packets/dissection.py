@@ -19,7 +19,7 @@ from sistap.dissected.captures.portions import Portion
 from sistap.dissected.packets.apart import PACKED, apart, beside
 from sistap.dissected.packets.kept import Kept, Span
 from sistap.dissected.wireshark import rows
-from sistap.dissected.wireshark.rows import EVENT, JOINT, NECESSARY, NO_DISSECTOR, damage, first, told
+from sistap.dissected.wireshark.rows import BEFORE, EVENT, JOINT, NECESSARY, NO_DISSECTOR, damage, first, told
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import INTERVAL_MAX, KEPT, Event
@@ -341,7 +341,7 @@ def _of_traffic(packets: Iterable[Packet]) -> Iterator[Packet]:
         if packet.type == EVENT and packet.event in _BEGINNING:
             beginning.append(packet)
             continue
-        is_again = packet.type == EVENT and packet.event == Event.TOLD_BEFORE
+        is_again = packet.type == BEFORE or (packet.type == EVENT and packet.event == Event.TOLD_BEFORE)
         if beginning:
             yield from _described(beginning, begun, is_again=is_again)
             beginning = []

@@ -13,9 +13,10 @@ from sistap.dissected.telegrams.attribute import Attribute
 from sistap.dissected.telegrams.values import Value, value
 from sistap.tap.records.before import heard
 from sistap.tap.records.record import Record as BareRecord
+from sistap.tap.records.record import Type
 from sistap.tap.sis.names import S_NAMES
 from sistap.tap.sis.telegram import Header, general, has_control, is_whole, parse, service_name, shown, status
-from sistap.tap.sis.told import ATTRIBUTE, NAME, UNIT, Place, Told
+from sistap.tap.sis.told import ATTRIBUTE, NAME, UNIT, Place, Told, text
 
 # Fig. 8-1, as in Wireshark; there, a value is "Operating data".
 _ELEMENTS = ("channel not active", "ident number", "name", "attribute", "unit", "minimum", "maximum", "value")
@@ -87,7 +88,9 @@ class Interpreter:
         if said.is_disturbed or (said.telegram and not is_whole_telegram):
             told.disturb()
         if is_whole_telegram:
-            record.telegram = _telegram(told, said.telegram, told.take(said.telegram, said.end_ns))
+            answered = told.take(said.telegram, said.end_ns)
+            if taken.type != Type.BEFORE:
+                record.telegram = _telegram(told, said.telegram, answered)
         return record
 
 
@@ -111,8 +114,8 @@ def _telegram(told: Told, telegram: bytes, answered: bytes) -> Telegram:
         device=device,
         parameter=parameter,
         element="" if control is None else _ELEMENTS[control >> 3 & 7],
-        name=known.get(NAME) or _STANDARD.get(parameter, ""),
-        unit=known.get(UNIT, ""),
+        name=text(known.get(NAME, b"")) or _STANDARD.get(parameter, ""),
+        unit=text(known.get(UNIT, b"")),
         value=_value(known.get(ATTRIBUTE), data) if is_value else None,
         data=data,
         command=command,
@@ -138,5 +141,5 @@ def _divided(header: Header) -> tuple[int | None, int | None, int | None, bytes]
     return code, body[0], body[1], body[2:] if header.reaction else body[5:]
 
 
-def _value(attribute: str | None, data: bytes) -> Value | None:
-    return value(Attribute(int(attribute, 16)), data) if attribute and data else None
+def _value(attribute: bytes | None, data: bytes) -> Value | None:
+    return value(Attribute(int.from_bytes(attribute, "little")), data) if attribute and data else None

@@ -21,7 +21,7 @@ NO_DISSECTOR = (
 NECESSARY = "sis.start"  # a field that every dissector for SIS has
 # The text in the packet list: a column in 4.0, a field of another name since 4.2.
 INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
-FRAME, OTHER, EVENT = 0, 1, 2  # sertap.type
+FRAME, OTHER, EVENT, BEFORE = 0, 1, 2, 3  # sertap.type
 JOINT = "\x1f"  # between several values of a field; no text contains it
 
 _TAP = "sis,rows"  # plugin/sis/rows.c

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Writes records into a pcapng file: one interface for each line, and first an event that describes the capture.
 
-A file that continues another also begins with what the bus was told before. The next file does not begin between a
-command and its reaction.
+A file that continues another also begins with the telegrams that explain later ones. The next file does not begin
+between a command and its reaction.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ class PcapngWriter:
             output.go_on()
             self._awaited = 0
             self.begin(*(self._again(started, time_ns) for started in self._started))
-            for record in before.events(time_ns, output.heading_bytes):
+            for record in before.records(time_ns, output.heading_bytes):
                 self._put(record)
 
     def end(self, time_ns: int) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What was told before a file begins: facts of each bus (sis/told.py), as events at the beginning of the file."""
+"""What a file begins with that continues another: the telegrams of each bus that explain later ones (sis/told.py)."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ from sistap.tap.line.settings import Flag, LineSettings
 from sistap.tap.records.record import Event, Framing, Record, Type, event
 from sistap.tap.sis.told import Told
 
-MOST_BYTES = 1_000_000  # of all facts; above this, the oldest are left out
-_TOGETHER = 40_000  # bytes of an event
+MOST_BYTES = 4_000_000  # of them all; above this, the oldest are left out
+_A_CHARACTER = 12  # bytes of a file for each, with its time and its part of the block
 _SHORTEST_FRAME = 8  # fewer other characters are usual when a line changes direction
 _PATIENCE_NS = 1_000_000_000  # a reaction that comes later is not waited for
 _NOTHING_LOST = bytes(flag for flag in range(256) if not flag & Flag.LOST_BEFORE)
-_NOTHING = "nothing that explains later telegrams"
 
 
 class Heard(NamedTuple):
@@ -32,7 +31,7 @@ class Heard(NamedTuple):
 def heard(record: Record) -> Heard:
     """Return what a record says of its bus."""
     time_ns, kind, line, settings, data, intervals, flags, _, framing, code, is_bad = record
-    telegram = data if kind == Type.FRAME and framing == Framing.SIS and not is_bad else b""
+    telegram = data if kind in (Type.FRAME, Type.BEFORE) and framing == Framing.SIS and not is_bad else b""
     if kind == Type.FRAME:
         is_disturbed = is_bad
     elif kind == Type.OTHER:
@@ -46,11 +45,11 @@ def heard(record: Record) -> Heard:
 
 
 class Before:
-    """The facts of all buses of a capture."""
+    """What explains later telegrams, of all buses of a capture."""
 
     def __init__(self) -> None:
         self._buses: dict[int, Told] = {}
-        self._places: dict[int, tuple[int, LineSettings]] = {}  # of each bus: its first line
+        self._settings: dict[int, LineSettings] = {}  # of each line, now
         self._limits: dict[tuple[int, str], LineSettings] = {}  # of lines that appeared during the capture
         self._end_ns = 0  # of the last record
 
@@ -61,39 +60,26 @@ class Before:
         told = self._buses.get(bus)
         if told is None:
             told = self._buses[bus] = Told()
-        if bus not in self._places or self._places[bus][0] >= line:
-            self._places[bus] = line, heard.settings
+        self._settings[line] = heard.settings
         self._end_ns = heard.end_ns
         if heard.limits:
             self._limits[line, heard.limits] = heard.settings
         if heard.is_disturbed:
             told.disturb()
         if heard.telegram:
-            told.take(heard.telegram, heard.end_ns)
+            told.take(heard.telegram, heard.end_ns, line)
 
     def is_under_way(self, now_ns: int) -> bool:
         """Tell whether a command waits for its reaction, or more pieces follow; never after a long silence."""
         is_recent = 0 <= now_ns - self._end_ns < _PATIENCE_NS
         return is_recent and any(told.is_under_way for told in self._buses.values())
 
-    def events(self, time_ns: int, most: int = MOST_BYTES) -> Iterator[Record]:
-        """Yield the events for a file that begins at this time, with up to so many bytes."""
+    def records(self, time_ns: int, most: int = MOST_BYTES) -> Iterator[Record]:
+        """Yield the records for a file that begins at this time, with up to so many bytes."""
         for (line, limits), settings in self._limits.items():
             yield event(time_ns, line, settings, Event.LIMITS_TOLD, limits)
-        for bus, told in self._buses.items():
-            line, settings = self._places[bus]
-            for text in _texts(told.lines(time_ns, min(most, MOST_BYTES) // len(self._buses)) or [_NOTHING]):
-                yield event(time_ns, line, settings, Event.TOLD_BEFORE, text)
-
-
-def _texts(lines: list[str]) -> Iterator[str]:
-    """Join lines into texts that fit into an event each."""
-    together: list[str] = []
-    size = 0
-    for line in lines:
-        size += len(line.encode()) + 1
-        if together and size > _TOGETHER:
-            yield "\n".join(together)
-            together, size = [], len(line.encode()) + 1
-        together.append(line)
-    yield "\n".join(together)
+        for told in self._buses.values():
+            for line, telegram in told.telegrams(min(most, MOST_BYTES) // len(self._buses) // _A_CHARACTER):
+                count = len(telegram)
+                unknown = bytes([Flag.INTERVAL_UNKNOWN]) * count
+                yield Record(time_ns, Type.BEFORE, line, self._settings[line], telegram, (0,) * count, unknown)

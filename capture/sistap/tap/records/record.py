@@ -32,6 +32,7 @@ class Type(enum.IntEnum):
     FRAME = 0
     OTHER = 1
     EVENT = 2
+    BEFORE = 3  # a frame from before this file: learned from, not counted, not judged
 
 
 class Framing(enum.IntEnum):
@@ -53,7 +54,7 @@ class Event(enum.IntEnum):
     ADAPTER_LOST = 4
     MARKER = 5
     LIMITS_TOLD = 6  # by the user; the text is for the dissector: TzA = 8 ms, TrS = 20 ms
-    TOLD_BEFORE = 7  # at the beginning of a file that continues another: facts from before, one in a line
+    TOLD_BEFORE = 7  # facts from before, of earlier versions: see Type.BEFORE
 
     @classmethod
     def _missing_(cls, value: object) -> Event | None:

@@ -12,7 +12,7 @@ after the reaction and ends by itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -190,85 +190,3 @@ def _whom(command: Header) -> str:
 
 
 SET_LIMITS = {0x01: "TrS", 0x02: "TzA", 0x03: "Tmas"}  # subservices, chapter 6.1
-_BAUD = "baud rate"
-_MS = 1_000_000
-
-
-class _Told(NamedTuple):
-    """A value of a setting."""
-
-    value: int  # ms or Bd
-    order: int  # of all
-
-
-class _Station:
-    """The settings of a station, or of all, by kind."""
-
-    def __init__(self, valid: dict[str, _Told]) -> None:
-        self.told: dict[str, _Told] = {}
-        self.valid = dict(valid)
-
-
-class Agreed:
-    """The settings of a bus, as plugin/sis/bus.c has them. What was set becomes valid when it is accepted."""
-
-    def __init__(self) -> None:
-        self._stations: dict[int, _Station] = {}
-        self._tests: dict[int, tuple[int, int]] = {}  # timed tests of a rate, and their ends in ns
-        self._order = 0
-
-    def take(self, address: int, settings: Sequence[Setting], now_ns: int) -> None:
-        """Take what a station has confirmed, or what all were told."""
-        for subservice, data in ((setting.subservice, setting.data) for setting in settings):
-            self._order += 1
-            station = self._station(address)
-            if subservice in SET_LIMITS:
-                station.told[SET_LIMITS[subservice]] = _Told(int.from_bytes(data, "little"), self._order)
-            elif subservice == SET_RATE and (baud := rate_of(data[0])):
-                station.told[_BAUD] = _Told(baud, self._order)
-            elif subservice == TEST_RATE and (baud := rate_of(data[2])):
-                self._tests[address] = baud, now_ns + int.from_bytes(data[:2], "little") * _MS
-            elif subservice == ACCEPT:
-                self._accept(address)
-
-    def lines(self, now_ns: int) -> Iterator[str]:
-        """Yield a line for each, in the order in which they were told."""
-        every = self._stations.get(BROADCAST, _Station({}))
-        facts = []
-        for address, station in sorted(self._stations.items(), reverse=True):  # of equal ones, those for all first
-            for kind, told in station.valid.items():
-                facts.append((told.order, _setting(address, kind, told.value)))
-            for kind, told in station.told.items():
-                accepted = station.valid[kind].order if kind in station.valid else 0
-                if told.order > accepted and told.order >= every.told.get(kind, told).order:
-                    facts.append((told.order, f"{_setting(address, kind, told.value)} not accepted"))
-        yield from (text for _, text in sorted(facts, key=lambda fact: fact[0]))
-        for address, (baud, end_ns) in self._tests.items():
-            if end_ns >= now_ns:
-                yield f"{_setting(address, _BAUD, baud)} for {end_ns - now_ns} ns"
-
-    def _station(self, address: int) -> _Station:
-        """Return a station. Until it is told something, the values for all hold for it."""
-        if address not in self._stations:
-            every = self._stations.get(BROADCAST)
-            self._stations[address] = _Station(every.valid if every else {})
-        return self._stations[address]
-
-    def _accept(self, whom: int) -> None:
-        every = self._station(BROADCAST)
-        for address, station in self._stations.items():
-            if whom not in (BROADCAST, address):
-                continue
-            for kind in {*every.told, *station.told}:
-                told = max(
-                    (one.told[kind] for one in (every, station) if kind in one.told), key=lambda told: told.order
-                )
-                if kind not in station.valid or told.order > station.valid[kind].order:
-                    station.valid[kind] = told
-                    if kind == _BAUD:
-                        self._tests.pop(address, None)
-
-
-def _setting(address: int, kind: str, value: int) -> str:
-    who = "all" if address == BROADCAST else str(address)
-    return f"{who} {kind} {value} {'Bd' if kind == _BAUD else 'ms'}"

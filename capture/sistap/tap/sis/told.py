@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a bus was told or asked that explains later telegrams, as facts in lines of text.
+"""The telegrams of a bus that explain later ones.
 
-The dissector learns these while it reads: names, units, attributes and limits of parameters (chapter 8), types of
+The dissector learns from them while it reads: names, units, attributes and limits of parameters (chapter 8), types of
 devices (service 0x00, chapter 3), and the settings of the bus (service 0x03, chapter 6). A file that begins in the
 middle needs them. The rules are those of plugin/sis/exchange.c, sequence.c and bus.c; a test cuts captures into pieces
 and compares. Nothing is guessed: if telegrams are damaged or missing, a fact may be missing, too.
@@ -10,11 +10,11 @@ and compares. Nothing is guessed: if telegrams are damaged or missing, a fact ma
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
-from sistap.tap.sis.initialization import INITIALIZATION, SIZES, Agreed, certain
+from sistap.tap.sis.initialization import ACCEPT, INITIALIZATION, SIZES, TEST_RATE, certain
 from sistap.tap.sis.telegram import (
     BROADCAST,
     CONTROL_NUMBER,
@@ -28,22 +28,20 @@ from sistap.tap.sis.telegram import (
     shown,
 )
 
-MOST_PARAMETERS, MOST_DEVICES, MOST_OPEN, MOST_PIECES = 4000, 256, 1000, 256
+MOST_PARAMETERS, MOST_DEVICES, MOST_SETTINGS, MOST_OPEN, MOST_PIECES = 4000, 256, 1000, 1000, 256
 NAME, ATTRIBUTE, UNIT, MINIMUM, MAXIMUM = range(2, 7)  # elements of a parameter, fig. 8-1
 
 _IDENTIFICATION, _LIST, _TOKEN = 0x00, 0x04, 0x0F
 _READ = 0x10
 _EXPLAINING = (_READ, INITIALIZATION, _LIST, _IDENTIFICATION)
-_IDENTITIES = {0x03: "type key", 0x02: "firmware"}  # by subservice of 0x00
+_IDENTITIES = (0x02, 0x03)  # subservices of 0x00: firmware, type key
 _VALUE = b"\x3c"  # control byte: operating data, the last piece
 _LAST = 0x04  # bit of the parameter control: no more pieces follow
 _RECENT = 100  # telegrams: what has not gone on for so long is given up
 _GOOD = 0x00
-_LONGEST = 1000  # characters of a value: a longer one is left out, because half of it would be wrong
-_ENOUGH = 2 * _LONGEST  # bytes of pieces that are kept: more is too long anyway
-_BROKEN = bytes(_ENOUGH)  # in place of pieces, if one may be missing: too long for a value
-
-_ELEMENTS = {ATTRIBUTE: "attribute", NAME: "name", UNIT: "unit", MINIMUM: "minimum", MAXIMUM: "maximum"}
+_MS = 1_000_000
+_LONGEST = 1000  # bytes of a value: a longer one is left out
+_BROKEN = bytes(_LONGEST + 1)  # in place of pieces, if one may be missing
 _LETTERS = {0: "S", 1: "A", 2: "C"}  # of a type byte, fig. 8-3
 _BIT_15 = 0x8000  # tells P from S
 
@@ -66,10 +64,26 @@ class _Newest(OrderedDict[_Key, _Value], Generic[_Key, _Value]):
             self.popitem(last=False)
 
 
+class Said(NamedTuple):
+    """A telegram, and the line on which it came."""
+
+    line: int
+    telegram: bytes
+
+
+class Fact(NamedTuple):
+    """What explains later telegrams, and those that told it."""
+
+    order: int  # of all facts; of several from one telegram it is the same
+    said: tuple[Said, ...]
+    data: bytes
+
+
 @dataclass(slots=True, eq=False)
 class _Exchange:
     """A command, and what became of it."""
 
+    said: Said
     command: bytes
     body_at: int
     sent_at: int
@@ -119,20 +133,20 @@ class Place(NamedTuple):
         letter = "P" if number & _BIT_15 else _LETTERS[self.ident[0]]
         return f"{letter}-{number >> 12 & 7}-{number & 0xFFF:04}"
 
-    def __str__(self) -> str:
-        return f"{'/'.join(map(str, self.path))} device {self.device} {self.parameter}"
-
 
 class Told:
     """The facts of one bus."""
 
     def __init__(self) -> None:
-        self._settings = Agreed()
-        self._parameters: _Newest[Place, dict[int, str]] = _Newest(MOST_PARAMETERS)
-        self._devices: _Newest[tuple[bytes, int], dict[str, str]] = _Newest(MOST_DEVICES)  # by stations and device
+        self._parameters: _Newest[Place, dict[int, Fact]] = _Newest(MOST_PARAMETERS)  # by element
+        self._devices: _Newest[Place, dict[int, Fact]] = _Newest(MOST_DEVICES)  # by subservice
+        self._set: _Newest[bytes, Fact] = _Newest(MOST_SETTINGS)  # by address and body, not accepted yet
+        self._agreed: _Newest[bytes, Fact] = _Newest(MOST_SETTINGS)
+        self._now_ns = 0  # the end of the last telegram
+        self._tested_until_ns = 0  # the end of the last timed test of a rate
         self._exchanges: _Newest[bytes, _Exchange] = _Newest(MOST_OPEN)  # the last of each pair of stations
         self._of_master: dict[int, _Exchange] = {}  # the last of each
-        self._pieces: _Newest[tuple[Place, int], bytes] = _Newest(MOST_PIECES)  # of elements that are not complete
+        self._pieces: _Newest[tuple[Place, int], Fact] = _Newest(MOST_PIECES)  # of elements that are not complete
         self._transfers: _Newest[tuple[bytes, bytes], int] = _Newest(MOST_PIECES)  # last pieces, by stations and device
         self._number = 0  # of what came
         self._damaged_at = 0
@@ -142,53 +156,49 @@ class Told:
         self._number += 1
         self._damaged_at = self._number
         for key in self._pieces:
-            self._pieces[key] = _BROKEN
+            self._pieces[key] = Fact(self._number, (), _BROKEN)
 
-    def take(self, telegram: bytes, end_ns: int) -> bytes:
+    def take(self, telegram: bytes, end_ns: int, line: int = 0) -> bytes:
         """Take a good telegram, whose last character came at `end_ns`. Return the command that it answers, if any."""
+        self._now_ns = end_ns
         self._number += 1
         control = telegram[4]
         body_at = STATIC_LENGTH + (control & CONTROL_SUBADDRESSES) + bool(control & CONTROL_NUMBER)
         stations = telegram[6 : STATIC_LENGTH + (control & CONTROL_SUBADDRESSES)]
         if control & CONTROL_REACTION:
-            return self._take_reaction(telegram, body_at, stations, end_ns)
-        self._take_command(telegram, body_at, stations, end_ns)
+            return self._take_reaction(Said(line, telegram), body_at, stations)
+        self._take_command(Said(line, telegram), body_at, stations)
         return b""
 
-    def known(self, place: Place) -> Mapping[int, str]:
+    def known(self, place: Place) -> Mapping[int, bytes]:
         """Return what was told of a parameter, by element."""
-        return self._parameters.get(place, {})
+        return {element: fact.data for element, fact in self._parameters.get(place, {}).items()}
 
     @property
     def is_under_way(self) -> bool:
-        """Tell whether a command waits for its reaction, or more pieces of long data follow."""
+        """Tell whether a command waits for its reaction, more pieces of long data follow, or a rate is tested."""
         since = self._number - _RECENT
         waiting = (one for one in self._of_master.values() if not one.over_at and one.sent_at > since)
-        return any(one.needs_reaction for one in waiting) or any(at > since for at in self._transfers.values())
+        is_open = any(one.needs_reaction for one in waiting) or any(at > since for at in self._transfers.values())
+        return is_open or self._now_ns < self._tested_until_ns
 
-    def lines(self, now_ns: int, most: int) -> list[str]:
-        """Return the facts, up to so many bytes: settings and types, then the newest of the parameters."""
-        settings = [*self._settings.lines(now_ns), *self._identities()]
-        left = most - sum(map(_size, settings))
-        newest: list[str] = []
-        left_out = 0
-        for place, elements in reversed(self._parameters.items()):
-            facts = [f"{place} {_ELEMENTS[element]}{value and ' '}{value}" for element, value in elements.items()]
-            left -= sum(map(_size, facts))
+    def telegrams(self, most: int) -> list[Said]:
+        """Return those that told the facts, up to so many characters: of settings, types, the newest parameters."""
+        always = [*self._agreed.values(), *self._set.values()]
+        always += [fact for known in self._devices.values() for fact in known.values()]
+        kept = {fact.order: fact.said for fact in always}
+        left = most - _size(kept.values())
+        for known in reversed(self._parameters.values()):
+            more = {fact.order: fact.said for fact in known.values() if fact.order not in kept}
+            left -= _size(more.values())
             if left < 0:
-                left_out += len(facts)
-            else:
-                newest += reversed(facts)
-        more = [f"and {left_out} more, which are older"] if left_out else []
-        return [*settings, *reversed(newest), *more]
+                break
+            kept.update(more)
+        return [said for order in sorted(kept) for said in kept[order]]
 
-    def _identities(self) -> Iterator[str]:
-        for (path, device), identities in self._devices.items():
-            stations = "/".join(map(str, path))
-            yield from (f"{stations} device {device} {what} {text}" for what, text in identities.items())
-
-    def _take_command(self, telegram: bytes, body_at: int, stations: bytes, end_ns: int) -> None:
-        exchange = _Exchange(telegram, body_at, self._number)
+    def _take_command(self, said: Said, body_at: int, stations: bytes) -> None:
+        telegram = said.telegram
+        exchange = _Exchange(said, telegram, body_at, self._number)
         before = self._of_master.get(telegram[6])
         if before and not before.over_at:
             before.over_at = self._number
@@ -199,9 +209,10 @@ class Told:
         if stations[1] in (LEVEL_BROADCAST, BROADCAST) and len(stations) == 2:
             for service, body in _services(telegram[5], telegram[body_at:]):
                 if service == INITIALIZATION:
-                    self._settings.take(BROADCAST, certain(body), end_ns)
+                    self._set_up(BROADCAST, body, (said,))
 
-    def _take_reaction(self, telegram: bytes, body_at: int, stations: bytes, end_ns: int) -> bytes:
+    def _take_reaction(self, said: Said, body_at: int, stations: bytes) -> bytes:
+        telegram = said.telegram
         if has_control(telegram[5]) and not _is_write(telegram[5]) and telegram[body_at : body_at + 1] == b"\0":
             self._follow_transfer(telegram[body_at + 1 : body_at + 3], stations)
         exchange = self._asked(telegram, stations)
@@ -211,29 +222,50 @@ class Told:
         if not is_again:
             exchange.is_answered, exchange.over_at = True, self._number
         if general(telegram[5]) in _EXPLAINING and (self._pieces or not _is_value(telegram, body_at)):
-            self._learn_all(exchange, telegram, body_at, end_ns, is_again=is_again)
+            self._learn_all(exchange, said, body_at, is_again=is_again)
         return exchange.command
 
-    def _learn_all(self, exchange: _Exchange, telegram: bytes, body_at: int, end_ns: int, *, is_again: bool) -> None:
+    def _learn_all(self, exchange: _Exchange, reaction: Said, body_at: int, *, is_again: bool) -> None:
+        telegram, both = reaction.telegram, (exchange.said, reaction)
         asked = _services(telegram[5], exchange.command[body_at:])
-        said = _services(telegram[5], telegram[body_at:] if telegram[5] != _LIST else telegram[body_at + 1 :])
-        for (service, command), (answering, reaction) in _pairs(asked, said):
-            if service != answering or reaction[:1] != bytes([_GOOD]):
+        answers = _services(telegram[5], telegram[body_at:] if telegram[5] != _LIST else telegram[body_at + 1 :])
+        for (service, command), (answering, answer) in _pairs(asked, answers):
+            if service != answering or answer[:1] != bytes([_GOOD]):
                 continue
             if general(service) == _READ:
-                self._learn(exchange.path, command, reaction[1:], is_again=is_again, is_nested=telegram[5] == _LIST)
+                fact = Fact(self._number, both, answer[1:])
+                self._learn(exchange.path, command, fact, is_again=is_again, is_nested=telegram[5] == _LIST)
             elif service == INITIALIZATION and len(exchange.path) == 1 and not is_again:
-                self._settings.take(exchange.path[0], certain(command), end_ns)
+                self._set_up(exchange.path[0], command, both)
             elif service == _IDENTIFICATION:
-                self._identify(exchange.path, command, reaction[1:])
+                self._identify(exchange.path, command, Fact(self._number, both, answer[1:]))
 
-    def _identify(self, path: bytes, command: bytes, said: bytes) -> None:
+    def _identify(self, path: bytes, command: bytes, fact: Fact) -> None:
         """Learn the type of a device; command and reaction begin with device and subservice."""
-        what = _IDENTITIES.get(command[1]) if len(command) >= 2 else None
-        text = shown(said[2:].decode("latin-1"))
-        if what and text and command[1:2] == said[1:2] and len(text) <= _LONGEST:
-            key = path, command[0]
-            self._devices.put(key, {**self._devices.get(key, {}), what: text})
+        is_told = 2 < len(fact.data) <= _LONGEST and command[1:2] == fact.data[1:2]
+        if is_told and command[1] in _IDENTITIES:
+            self._keep(self._devices, Place(path, command[0], b""), command[1], fact)
+
+    def _set_up(self, address: int, body: bytes, said: tuple[Said, ...]) -> None:
+        """Take what a station has confirmed, or what all were told. A timed test of a rate ends by itself."""
+        settings = certain(body)
+        subservices = [setting.subservice for setting in settings]
+        if TEST_RATE in subservices:
+            test_ms = int.from_bytes(settings[subservices.index(TEST_RATE)].data[:2], "little")
+            self._tested_until_ns = self._now_ns + test_ms * _MS
+            return
+        self._set.put(bytes([address]) + body, Fact(self._number, said, body))
+        if ACCEPT in subservices:
+            for key in list(self._set):
+                if address == BROADCAST or key[0] in (address, BROADCAST):
+                    self._agreed.put(key, self._set.pop(key))
+
+    def _keep(self, facts: _Newest[Place, dict[int, Fact]], place: Place, element: int, fact: Fact) -> None:
+        """Keep a fact. If it was known, it keeps its place: a limit belongs to the attribute before it."""
+        known = facts.get(place, {})
+        if element not in known or known[element].data != fact.data:
+            known[element] = fact
+        facts.put(place, known)
 
     def _follow_transfer(self, access: bytes, stations: bytes) -> None:
         """Note whether more pieces follow. `access`: control byte and device, of a written piece or of a read one."""
@@ -256,36 +288,33 @@ class Told:
                 return exchange
         return None
 
-    def _learn(self, path: bytes, command: bytes, said: bytes, *, is_again: bool, is_nested: bool) -> None:
+    def _learn(self, path: bytes, command: bytes, fact: Fact, *, is_again: bool, is_nested: bool) -> None:
         """Learn from an element that was read: control byte, device and data, after the status."""
         place = Place(path, command[1], command[2:5]) if len(command) >= 5 else None
-        if not place or len(said) < 2 or not place.is_defined:
+        if not place or len(fact.data) < 2 or not place.is_defined:
             return
-        element, data = said[0] >> 3 & 7, said[2:]
-        if self._pieces or not said[0] & _LAST:
-            whole = self._join(place, element, said, is_again=is_again, is_nested=is_nested)
-            if whole is None:
-                return
-            data = whole
-        if element in _ELEMENTS and data and (value := _value(element, data)) is not None:
-            known = self._parameters.get(place, {})
-            if known.get(element) != value:
-                known.pop(element, None)  # a limit from before belongs to the attribute from before
-            known[element] = value
-            self._parameters.put(place, known)
-
-    def _join(self, place: Place, element: int, said: bytes, *, is_again: bool, is_nested: bool) -> bytes | None:
-        """Join the pieces of an element (chapter 8.2). None if it is not complete."""
+        control, piece = fact.data[0], fact._replace(data=fact.data[2:])
+        element, is_last = control >> 3 & 7, bool(control & _LAST)
         if is_nested:
-            return said[2:] if said[0] & _LAST else None
-        if is_again:
-            return None
+            whole = piece if is_last else None
+        elif self._pieces or not is_last:
+            whole = None if is_again else self._join(place, element, piece, is_last=is_last)
+        else:
+            whole = piece
+        if whole and _explains(element, whole.data):
+            self._keep(self._parameters, place, element, whole)
+
+    def _join(self, place: Place, element: int, piece: Fact, *, is_last: bool) -> Fact | None:
+        """Join the pieces of an element (chapter 8.2). None if it is not complete."""
         for other in [other for other in self._pieces if other[0][:2] == place[:2] and other != (place, element)]:
             del self._pieces[other]  # a device has one transfer at a time
-        data = self._pieces.pop((place, element), b"") + said[2:]
-        if said[0] & _LAST:
-            return data
-        self._pieces.put((place, element), data[:_ENOUGH])
+        if (before := self._pieces.pop((place, element), None)) and len(before.data) <= _LONGEST:
+            piece = piece._replace(said=before.said + piece.said, data=before.data + piece.data)
+        elif before:
+            piece = before
+        if is_last:
+            return piece
+        self._pieces.put((place, element), piece)
         return None
 
 
@@ -319,18 +348,20 @@ def _pairs(
     return iter(zip(asked, said, strict=True)) if len(asked) == len(said) else iter(())
 
 
-def _value(element: int, data: bytes) -> str | None:
-    """Return the value of an element as it stands in a line. None if it is not valid."""
-    if element in (NAME, UNIT):
-        has_lengths = len(data) >= 4 and int.from_bytes(data[:2], "little") == len(data) - 4
-        is_list = has_lengths and data[0:2][::-1] <= data[2:4][::-1]
-        text = shown(data[4 * is_list :].decode("latin-1"))
-        return text if (text or element == UNIT) and len(text) <= _LONGEST else None
+def text(data: bytes) -> str:
+    """Return a name or a unit; as a list, two length words precede it."""
+    has_lengths = len(data) >= 4 and int.from_bytes(data[:2], "little") == len(data) - 4
+    is_list = has_lengths and data[0:2][::-1] <= data[2:4][::-1]
+    return shown(data[4 * is_list :].decode("latin-1"))
+
+
+def _explains(element: int, data: bytes) -> bool:
+    """Tell whether an element of a parameter says something."""
     if element == ATTRIBUTE:
-        return f"0x{int.from_bytes(data, 'little'):08x}" if len(data) == 4 else None
-    text = data.hex(" ")
-    return text if len(text) <= _LONGEST else None
+        return len(data) == 4
+    is_short = 0 < len(data) <= _LONGEST
+    return is_short and (element in (UNIT, MINIMUM, MAXIMUM) or (element == NAME and text(data) != ""))
 
 
-def _size(line: str) -> int:
-    return len(line.encode()) + 1
+def _size(told: Iterable[tuple[Said, ...]]) -> int:
+    return sum(len(one.telegram) for said in told for one in said)
