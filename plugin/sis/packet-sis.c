@@ -410,6 +410,7 @@ find_record(dissection_t *d)
     sis_telegram_t *telegram = d->telegram;
 
     d->record = sis_learn_telegram(d->tvb, d->pinfo, telegram);
+    telegram->record = d->record;
     if (d->record->is_swapped) {
         telegram->talker = telegram->sender;
         telegram->listener = telegram->receiver;

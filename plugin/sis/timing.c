@@ -415,7 +415,6 @@ sis_timing_dissect(sis_telegram_t *telegram, const sis_record_t *record, const s
     const sis_timing_t *timing = &telegram->timing;
     bool has_more, is_known;
 
-    telegram->record = record;
     find_timing(&t);
     has_more =
         timing->trs > 0 || timing->wait >= 0 || sis_rare(record, 0)->cycle != NULL || is_rate_known(&t);
