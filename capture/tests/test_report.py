@@ -108,26 +108,6 @@ def test_what_decides_what_is_unresolved_is_said(report: Report) -> None:
     assert {row[0]: row[-1] for row in tables.pauses(report).rows}["4"] == "1; 1 depends on where TzA begins to count"
 
 
-def test_which_uncertainty_would_decide_is_said(tshark: Tshark, tmp_path: Path) -> None:
-    """The pause alone is 6.3 - 1.146 ms, 0.31 ms uncertain; 4.9 ms keep TzA; 5.5 ms do or do not, whatever the tap."""
-    texts = []
-    for number, pauses_ms in enumerate([(6.3,), (4.9,), (6.3, 4.9, 5.5)]):
-        asked = [item for pause_ms in pauses_ms for item in (Sent(READ, pauses_ms={6: pause_ms}), Sent(ANSWER))]
-        report = made(tshark, write(tmp_path / f"{number}", [Sent(SET_TZA), Sent(ACCEPT), *asked]))
-        texts += [row[-1] for row in tables.pauses(report).rows if row[0] == "16"]
-    assert texts == [
-        "1; an uncertainty below 0.154 ms decides them",
-        "1; an uncertainty below 0.100 ms decides them",
-        "3; an uncertainty below 0.100 ms decides 2, 1 depends on where TzA begins to count",
-    ]
-
-
-def test_what_is_exactly_the_limit_cannot_be_decided(tshark: Tshark, tmp_path: Path) -> None:
-    limited = [Sent(SET_TZA), Sent(ACCEPT), Sent(READ, pauses_ms={6: 5.0}), Sent(ANSWER)]
-    (row,) = (row for row in tables.pauses(made(tshark, write(tmp_path / "x", limited))).rows if row[0] == "16")
-    assert row[-1] == "1; exactly the limit"
-
-
 def test_which_tza_would_be_kept(figures: dict[str, Any]) -> None:
     """By hand: the master's longest is 7.5 ms, and 0.31 ms uncertain; drive 4 has 5.2 ms, 0.5 ms uncertain, of 5 ms."""
     talkers = {one["station"]: one for one in figures["tza_by_talker"]}
