@@ -2953,7 +2953,11 @@ do
     -- If somebody looks at the bytes, they have a data source of their own, without the record around them.
     characters = parent.visible and characters:bytes():tvb("Characters") or characters:tvb()
     record.has_own_source = parent.visible
-    framing_table:try(record.framing, characters, pinfo, parent)
+    if record.type == K.SERTAP_FRAME or record.framing == FRAMING_SIS then
+      framing_table:try(record.framing, characters, pinfo, parent)
+    else -- from before a file, only telegrams of SIS explain something
+      Dissector.get("data"):call(characters, pinfo, parent)
+    end
   end
 
   -- What travels on the line is only learned from.
@@ -5386,7 +5390,7 @@ do
 
     if tap then note_disturbance(bus, tap) end
     if not telegram.is_good then
-      note_damaged(bus, number, telegram)
+      if not telegram.is_before then note_damaged(bus, number, telegram) end
       return
     end
     if not telegram.is_reaction then
@@ -6025,8 +6029,8 @@ do
     local command, path, routers = cancel.from.telegram, other.from.path, #cancel.from.path - 1
 
     if command.is_answered then return cancel.from == other.from end
-    if command.sender ~= other.from.telegram.sender or #path <= routers
-      or sub(path, 1, routers) ~= sub(cancel.from.path, 1, routers) then
+    if command.is_before ~= other.from.telegram.is_before or command.sender ~= other.from.telegram.sender
+      or #path <= routers or sub(path, 1, routers) ~= sub(cancel.from.path, 1, routers) then
       return false
     end
     return S.receiver_kind(byte(cancel.from.path, -1)) ~= K.LEVEL_BROADCAST or #path == routers + 1

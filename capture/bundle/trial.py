@@ -47,10 +47,11 @@ COMPILER = "x86_64-w64-mingw32-gcc"
 NOT_RUN = 77
 TIMEOUT_S = 180
 
-# Imports every module of sistap with this Python: one of its own that the bundle lacks is an error.
+# Imports every module of sistap and sisbus with this Python: one of its own that the bundle lacks is an error.
 IMPORTS = """
-import importlib, pkgutil, sistap
-for module in pkgutil.walk_packages(sistap.__path__, "sistap."):
+import importlib, itertools, pkgutil, sisbus, sistap
+rooms = [pkgutil.walk_packages(house.__path__, house.__name__ + ".") for house in (sistap, sisbus)]
+for module in itertools.chain(*rooms):
     try:
         if not module.name.endswith("__main__"):
             importlib.import_module(module.name)

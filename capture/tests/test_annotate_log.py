@@ -48,6 +48,13 @@ def test_a_log(tmp_path: Path) -> None:
     ]
 
 
+def test_what_was_told_before_the_capture_is_not_traffic(tmp_path: Path) -> None:
+    """It is told in words alone, so whoever reads the log does not count it."""
+    assert run(tmp_path, "log", CAPTURES / "told-before.pcapng", "-o", "x.txt", TZ=ZONE).returncode == 0
+    assert run(tmp_path, "annotate", "x.txt", "-w", "y.pcapng", TZ=ZONE).returncode == 0
+    assert telegrams(tmp_path / "y.pcapng") == telegrams(CAPTURES / "told-before.pcapng")
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", ["specification", "statistics", "repeats", "duplex", "sequences", "phases-routed"])
 def test_a_log_is_read_back_to_the_same_telegrams_and_times(tmp_path: Path, name: str) -> None:

@@ -96,7 +96,7 @@ def build(folder: Path, minor: int) -> Path:
     """Make a plugin for Wireshark 4.`minor`."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "sis.version").write_text(f"4.{minor}.6\n")
-    (folder / "sis.so").write_text(f"a plugin for 4.{minor}")
+    (folder / "sis.so").write_text(f"a plugin for 4.{minor}: plugin_want_major")
     return folder / "sis.so"
 
 
@@ -481,6 +481,18 @@ def test_a_module_for_nobody_knows_what_is_no_reason_to_stop(root: Path, run: Ru
         assert (code, err.count("\n")) == (0, 1)
         assert "plugin/sis.so has no sis.version beside it" in err
         assert "Personal/plugins/sis.lua" in files(root)
+
+
+def test_what_is_no_plugin_is_not_installed(root: Path, run: Run) -> None:
+    """Named, it is refused. Of a build that went wrong, sis.lua takes the place."""
+    module = build(builds() / "plugin", 0)
+    module.write_bytes(b"junk")
+    code, _, err = run("install", "--plugin", str(module))
+    assert (code, err) == (2, f"sistap: {module} is no plugin of Wireshark: build it again\n")
+    assert "Personal/plugins/4.0/epan/sis.so" not in files(root)
+    code, _, err = run("install")
+    assert (code, "is no plugin of Wireshark" in err) == (0, True)
+    assert "Personal/plugins/sis.lua" in files(root)
 
 
 def test_the_script_never_takes_the_place_of_a_plugin_that_works(root: Path, run: Run) -> None:

@@ -220,7 +220,7 @@ def test_the_newest_stay(bus: Bus) -> None:
         bus.read(NAME, b"N", b"\0" + (number % 4096).to_bytes(2, "little"), receiver=3 + number // 4096)
     newest = [*bus.read(NAME, b"N", b"\1\0\0"), *bus.read(NAME, b"N", b"\1\1\0")]
     assert len(bus.facts) == 2 * MOST_PARAMETERS
-    most = sum(map(len, newest))
+    most = sum(len(telegram) + 12 for telegram in newest)  # the rest of a record takes as much as 12 characters
     for characters, told in ((most, newest), (most + 1, newest), (most - 1, newest[2:]), (0, [])):
         assert [said.telegram for said in bus.told.telegrams(characters)] == told
 
@@ -273,14 +273,36 @@ def test_what_disturbs(between: Record) -> None:
     refused = record(build(0x10, 16, 3, b"\2\x14\5\1\x80", reaction=True))
     for one in (asked, refused, between, said):
         before.take(heard(one))
-    assert [*before.records(0)] == []
+    assert [one.data for one in before.records(0)] == [b""]
+
+
+def test_where_nothing_was_told_a_file_says_that_it_continues() -> None:
+    before = Before()
+    before.take(heard(record(build(0x12, 16, 3), line=2)))
+    (nothing,) = before.records(7)
+    assert (nothing.type, nothing.line, nothing.data, nothing.time_ns) == (Type.BEFORE, 2, b"", 7)
+
+
+def test_settings_have_no_more_room_than_there_is(bus: Bus) -> None:
+    """Each takes a command of 12 or 10 bytes and a reaction of 11; a record takes as much as 12 characters."""
+    told = [bus.set("03 02 05 00", station) + bus.set("03 FF", station) for station in range(3, 33)]
+    settings = [said.telegram for said in bus.told.telegrams(400)]
+    assert 200 < sum(len(telegram) + 12 for telegram in settings) <= 400
+    assert settings[-1] == told[-1][-1], "the newest stay"
+
+
+def test_a_reaction_answers_no_command_from_before_the_file(bus: Bus) -> None:
+    asked, said = (one.data for one in named(0, b"N"))
+    assert bus.told.take(asked, 0, is_before=True) == b""
+    assert bus.told.take(said, 0) == b""
+    assert bus.told.take(said, 0, is_before=True) == asked
 
 
 def test_limits_of_a_line_that_appeared_later() -> None:
     """Whoever captures has told them; each file begins with them."""
     before = Before()
     before.take(heard(event(0, 3, LineSettings(), Event.LIMITS_TOLD, "TzA = 8 ms")))
-    (limits,) = before.records(9)
+    limits, _ = before.records(9)
     assert (limits.time_ns, limits.line, limits.event, limits.data) == (9, 3, Event.LIMITS_TOLD, b"TzA = 8 ms")
 
 

@@ -15,6 +15,7 @@
 
 #define RECORD_VERSION     1
 #define RECORD_HEADER_SIZE 20
+#define FRAMING_SIS        0
 
 static dissector_table_t framing_table;
 static int tap_sertap = -1;
@@ -353,12 +354,19 @@ frame_characters(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sert
     return own;
 }
 
+/* From before a file, only telegrams of SIS explain something. */
+static bool
+is_framed(const sertap_record_t *record)
+{
+    return record->values > 0 && (record->type == SERTAP_FRAME || record->framing == FRAMING_SIS);
+}
+
 static void
 dissect_frame(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, const sertap_record_t *record)
 {
     tvbuff_t *payload = frame_characters(tvb, pinfo, parent, record);
 
-    if (record->values > 0 && compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
+    if (is_framed(record) && compat_try_uint(framing_table, record->framing, payload, pinfo, parent, NULL))
         return;
     col_add_fstr(pinfo->cinfo, COL_INFO, "%u character%s", record->count, plurality(record->count, "", "s"));
     if (record->values > 0)

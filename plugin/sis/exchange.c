@@ -401,7 +401,8 @@ sis_exchange_learn(sis_record_t *record, sis_bus_t *bus, tvbuff_t *tvb, packet_i
     if (tap != NULL)
         note_disturbance(bus, tap);
     if (!telegram->is_good) {
-        note_damaged(bus, tvb, pinfo, telegram);
+        if (!telegram->is_before)
+            note_damaged(bus, tvb, pinfo, telegram);
         return;
     }
     if (!telegram->is_reaction) {

@@ -408,7 +408,8 @@ reaches(const sis_exchange_t *cancel, const sis_exchange_t *other)
 
     if (sis_is_answered(cancel->station))
         return sis_exchange_direction(cancel) == sis_exchange_direction(other);
-    if (master_of(cancel) != master_of(other) || other->path_length <= routers ||
+    if (cancel->stream->key.is_before != other->stream->key.is_before ||
+        master_of(cancel) != master_of(other) || other->path_length <= routers ||
         memcmp(cancel->path, other->path, routers) != 0)
         return false;
     return sis_receiver_kind(cancel->station) != SIS_LEVEL_BROADCAST || other->path_length == routers + 1;

@@ -71,7 +71,7 @@ OF_README = [
 ]
 
 MORE = [
-    Command("grep -c '<title>SIS</title>' /usr/share/doc/sistap/tap/sis.html"),
+    Command("grep -c '<title>SIS</title>' /usr/share/doc/sistap/sis.html"),
     Command(f"cat {COURSE}/*.pcapng | wc -c"),
     Command("sistap --version", "sistap "),
     Command("sistap ports"),

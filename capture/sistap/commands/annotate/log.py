@@ -12,7 +12,7 @@ from pathlib import Path
 
 from sistap.dissected.explain import entries
 from sistap.dissected.explain.fields import EXPLANATION, Fields, said, sentence
-from sistap.dissected.wireshark.rows import EVENT, JOINT, first
+from sistap.dissected.wireshark.rows import BEFORE, EVENT, JOINT, first
 from sistap.dissected.wireshark.trouble import damage
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.common.writing import opened
@@ -117,12 +117,12 @@ def _is_of_ours(columns: dict[str, str], streams: set[str]) -> bool:
 
 
 def _entry(columns: dict[str, str]) -> str:
-    """Return the line of a packet and its explanation. An event has only an explanation."""
+    """Return the line of a packet and its explanation. An event, or what was told before, has only an explanation."""
     seconds, _, decimals = (columns[_TIME] or "0").partition(".")  # a packet may have no time
     stamp = entries.stamp(int(seconds), int(decimals.ljust(9, "0")))
     text = sentence(said(columns), _NS if stamp else None)
     characters = _characters(columns)
-    if columns.get(_TYPE) == str(EVENT) or not characters:
+    if columns.get(_TYPE) in (str(EVENT), str(BEFORE)) or not characters:
         return f"{EXPLANATION}{stamp}{text}\n"
     head = entries.head(stamp, _line(columns))
     return f"{head}{characters}\n{entries.under(head, text)}"

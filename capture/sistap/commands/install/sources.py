@@ -22,6 +22,7 @@ _BUILD = (
 
 
 _VERSION = "sis.version"  # cmake writes it beside the module: the version of Wireshark that this is for
+_OF_A_PLUGIN = b"plugin_want_major"  # a name that each has
 
 
 class Dissector(NamedTuple):
@@ -78,9 +79,15 @@ def _wanted_version(module: Path) -> tuple[int, int]:
     """Return the major and minor version of the Wireshark that a module needs. Raise Refusal."""
     try:
         major, minor, *_ = (module.parent / _VERSION).read_text("utf-8").split(".")
-        return int(major), int(minor)
+        wanted = int(major), int(minor)
     except (OSError, ValueError):
-        raise Refusal(f"{module} has no {_VERSION} beside it: name one as cmake makes it") from None
+        raise Refusal(f"{module} has no {_VERSION} beside it: name one as cmake makes it, or copy both") from None
+    try:
+        if _OF_A_PLUGIN in module.read_bytes():
+            return wanted
+    except OSError as error:
+        raise Refusal(f"cannot read {module}: {error.strerror}") from None
+    raise Refusal(f"{module} is no plugin of Wireshark: build it again")
 
 
 def _built() -> Iterator[Path]:

@@ -88,7 +88,7 @@ class Interpreter:
         if said.is_disturbed or (said.telegram and not is_whole_telegram):
             told.disturb()
         if is_whole_telegram:
-            answered = told.take(said.telegram, said.end_ns)
+            answered = told.take(said.telegram, said.end_ns, is_before=said.is_before)
             if taken.type != Type.BEFORE:
                 record.telegram = _telegram(told, said.telegram, answered)
         return record

@@ -37,6 +37,7 @@ _EXPLAINING = (_READ, INITIALIZATION, _LIST, _IDENTIFICATION)
 _IDENTITIES = (0x02, 0x03)  # subservices of 0x00: firmware, type key
 _VALUE = b"\x3c"  # control byte: operating data, the last piece
 _LAST = 0x04  # bit of the parameter control: no more pieces follow
+_A_RECORD = 12  # characters that would take the room of the rest of a record in a file
 _RECENT = 100  # telegrams: what has not gone on for so long is given up
 _GOOD = 0x00
 _MS = 1_000_000
@@ -114,6 +115,16 @@ class _Exchange:
         return command[5] != INITIALIZATION or asked[1] == said[1] or said[1] not in SIZES
 
 
+class _Open:
+    """What is not complete yet. That of telegrams from before a file is apart: none of them goes on in it."""
+
+    def __init__(self) -> None:
+        self.exchanges: _Newest[bytes, _Exchange] = _Newest(MOST_OPEN)  # the last of each pair of stations
+        self.of_master: dict[int, _Exchange] = {}  # the last of each
+        self.pieces: _Newest[tuple[Place, int], Fact] = _Newest(MOST_PIECES)  # of elements
+        self.transfers: _Newest[tuple[bytes, bytes], int] = _Newest(MOST_PIECES)  # last pieces, by stations and device
+
+
 class Place(NamedTuple):
     """A parameter of a device behind a station."""
 
@@ -144,10 +155,8 @@ class Told:
         self._agreed: _Newest[bytes, Fact] = _Newest(MOST_SETTINGS)
         self._now_ns = 0  # the end of the last telegram
         self._tested_until_ns = 0  # the end of the last timed test of a rate
-        self._exchanges: _Newest[bytes, _Exchange] = _Newest(MOST_OPEN)  # the last of each pair of stations
-        self._of_master: dict[int, _Exchange] = {}  # the last of each
-        self._pieces: _Newest[tuple[Place, int], Fact] = _Newest(MOST_PIECES)  # of elements that are not complete
-        self._transfers: _Newest[tuple[bytes, bytes], int] = _Newest(MOST_PIECES)  # last pieces, by stations and device
+        self._here, self._before = _Open(), _Open()
+        self._open = self._here  # of the telegram that is taken
         self._number = 0  # of what came
         self._damaged_at = 0
 
@@ -155,12 +164,13 @@ class Told:
         """Note that a telegram may have been lost."""
         self._number += 1
         self._damaged_at = self._number
-        for key in self._pieces:
-            self._pieces[key] = Fact(self._number, (), _BROKEN)
+        for key in self._here.pieces:
+            self._here.pieces[key] = Fact(self._number, (), _BROKEN)
 
-    def take(self, telegram: bytes, end_ns: int, line: int = 0) -> bytes:
+    def take(self, telegram: bytes, end_ns: int, line: int = 0, *, is_before: bool = False) -> bytes:
         """Take a good telegram, whose last character came at `end_ns`. Return the command that it answers, if any."""
         self._now_ns = end_ns
+        self._open = self._before if is_before else self._here
         self._number += 1
         control = telegram[4]
         body_at = STATIC_LENGTH + (control & CONTROL_SUBADDRESSES) + bool(control & CONTROL_NUMBER)
@@ -178,32 +188,36 @@ class Told:
     def is_under_way(self) -> bool:
         """Tell whether a command waits for its reaction, more pieces of long data follow, or a rate is tested."""
         since = self._number - _RECENT
-        waiting = (one for one in self._of_master.values() if not one.over_at and one.sent_at > since)
-        is_open = any(one.needs_reaction for one in waiting) or any(at > since for at in self._transfers.values())
+        waiting = (one for one in self._here.of_master.values() if not one.over_at and one.sent_at > since)
+        is_open = any(one.needs_reaction for one in waiting) or any(at > since for at in self._here.transfers.values())
         return is_open or self._now_ns < self._tested_until_ns
 
     def telegrams(self, most: int) -> list[Said]:
-        """Return those that told the facts, up to so many characters: of settings, types, the newest parameters."""
-        always = [*self._agreed.values(), *self._set.values()]
-        always += [fact for known in self._devices.values() for fact in known.values()]
-        kept = {fact.order: fact.said for fact in always}
-        left = most - _size(kept.values())
-        for known in reversed(self._parameters.values()):
-            more = {fact.order: fact.said for fact in known.values() if fact.order not in kept}
-            left -= _size(more.values())
-            if left < 0:
+        """Return those that told the facts: of settings, types, the newest parameters; up to so many characters."""
+        kept: dict[int, tuple[Said, ...]] = {}
+        for facts in self._by_worth():
+            more = {fact.order: fact.said for fact in facts if fact.order not in kept}
+            most -= _size(more.values())
+            if most < 0:
                 break
             kept.update(more)
         return [said for order in sorted(kept) for said in kept[order]]
 
+    def _by_worth(self) -> Iterator[Iterable[Fact]]:
+        """Yield facts that are told together, the newest of each kind first."""
+        for settings in (self._agreed, self._set):
+            yield from ([fact] for fact in reversed(settings.values()))
+        for known in (self._devices, self._parameters):
+            yield from (facts.values() for facts in reversed(known.values()))
+
     def _take_command(self, said: Said, body_at: int, stations: bytes) -> None:
         telegram = said.telegram
         exchange = _Exchange(said, telegram, body_at, self._number)
-        before = self._of_master.get(telegram[6])
+        before = self._open.of_master.get(telegram[6])
         if before and not before.over_at:
             before.over_at = self._number
-        self._of_master[telegram[6]] = exchange
-        self._exchanges.put(stations, exchange)
+        self._open.of_master[telegram[6]] = exchange
+        self._open.exchanges.put(stations, exchange)
         if has_control(telegram[5]) and _is_write(telegram[5]):
             self._follow_transfer(telegram[body_at : body_at + 2], stations)
         if stations[1] in (LEVEL_BROADCAST, BROADCAST) and len(stations) == 2:
@@ -221,7 +235,7 @@ class Told:
         is_again = exchange.is_answered
         if not is_again:
             exchange.is_answered, exchange.over_at = True, self._number
-        if general(telegram[5]) in _EXPLAINING and (self._pieces or not _is_value(telegram, body_at)):
+        if general(telegram[5]) in _EXPLAINING and (self._open.pieces or not _is_value(telegram, body_at)):
             self._learn_all(exchange, said, body_at, is_again=is_again)
         return exchange.command
 
@@ -271,19 +285,19 @@ class Told:
         """Note whether more pieces follow. `access`: control byte and device, of a written piece or of a read one."""
         key = stations, access[1:]
         if access and not access[0] & _LAST:
-            self._transfers.put(key, self._number)
-        elif self._transfers:
-            self._transfers.pop(key, None)
+            self._open.transfers.put(key, self._number)
+        elif self._open.transfers:
+            self._open.transfers.pop(key, None)
 
     def _asked(self, reaction: bytes, stations: bytes) -> _Exchange | None:
         """Return the exchange of a reaction, whose addresses are those of the command, or swapped."""
         for addresses in (stations, stations[1::-1] + stations[2:]):
-            exchange = self._exchanges.get(addresses)
+            exchange = self._open.exchanges.get(addresses)
             if not exchange or not exchange.fits(reaction):
                 continue
             # If a damaged telegram came since it was over, that one may have been another command. What needs no
             # reaction, such as a token, has one only before the next command.
-            is_newest = exchange is next(reversed(self._exchanges.values()))
+            is_newest = exchange is next(reversed(self._open.exchanges.values()))
             if (exchange.needs_reaction or is_newest) and not 0 < exchange.over_at < self._damaged_at:
                 return exchange
         return None
@@ -297,7 +311,7 @@ class Told:
         element, is_last = control >> 3 & 7, bool(control & _LAST)
         if is_nested:
             whole = piece if is_last else None
-        elif self._pieces or not is_last:
+        elif self._open.pieces or not is_last:
             whole = None if is_again else self._join(place, element, piece, is_last=is_last)
         else:
             whole = piece
@@ -306,15 +320,15 @@ class Told:
 
     def _join(self, place: Place, element: int, piece: Fact, *, is_last: bool) -> Fact | None:
         """Join the pieces of an element (chapter 8.2). None if it is not complete."""
-        for other in [other for other in self._pieces if other[0][:2] == place[:2] and other != (place, element)]:
-            del self._pieces[other]  # a device has one transfer at a time
-        if (before := self._pieces.pop((place, element), None)) and len(before.data) <= _LONGEST:
+        for other in [other for other in self._open.pieces if other[0][:2] == place[:2] and other != (place, element)]:
+            del self._open.pieces[other]  # a device has one transfer at a time
+        if (before := self._open.pieces.pop((place, element), None)) and len(before.data) <= _LONGEST:
             piece = piece._replace(said=before.said + piece.said, data=before.data + piece.data)
         elif before:
             piece = before
         if is_last:
             return piece
-        self._pieces.put((place, element), piece)
+        self._open.pieces.put((place, element), piece)
         return None
 
 
@@ -364,4 +378,4 @@ def _explains(element: int, data: bytes) -> bool:
 
 
 def _size(told: Iterable[tuple[Said, ...]]) -> int:
-    return sum(len(one.telegram) for said in told for one in said)
+    return sum(len(one.telegram) + _A_RECORD for said in told for one in said)
