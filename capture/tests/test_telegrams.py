@@ -291,10 +291,11 @@ def test_it_says_what_the_dissector_says() -> None:
         if capture.stem in _BEYOND | _TO_DAMAGED | _OTHER_SUBSERVICE:
             continue
         try:
-            records = [one for one in sistap.read(capture) if one.type != Type.BEFORE]
+            records = list(sistap.read(capture))
         except sistap.NotCaptured:
             continue
-        for record_, packet in zip(records, sistap.dissect(capture), strict=True):
+        of_traffic = [one for one in records if one.type != Type.BEFORE]
+        for record_, packet in zip(of_traffic, sistap.dissect(capture), strict=True):
             good = [one for one in packet.telegrams if one.good and packet.framing == Framing.SIS]
             assert bool(record_.telegram) == bool(good), (capture, packet.number)
             if record_.telegram:
