@@ -66,13 +66,13 @@ add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_rec
 static void
 add_uncertainty(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, uint32_t uncertainty)
 {
-    nstime_t time = sertap_time(uncertainty);
+    nstime_t shown = sertap_time(uncertainty);
 
     if (uncertainty == SERTAP_UNCERTAINTY_UNKNOWN)
         proto_tree_add_subtree(tree, tvb, 12, 4, ett_sertap_characters, NULL,
                                "Uncertainty of the times: unknown");
     else
-        proto_tree_add_time_format_value(tree, hf_sertap_uncertainty, tvb, 12, 4, &time, "%s",
+        proto_tree_add_time_format_value(tree, hf_sertap_uncertainty, tvb, 12, 4, &shown, "%s",
                                          sertap_ms_text(pinfo->pool, uncertainty));
 }
 

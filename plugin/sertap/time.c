@@ -39,8 +39,8 @@ sertap_time(int64_t ns)
 proto_item *
 sertap_add_time(proto_tree *tree, int hf, tvbuff_t *tvb, int64_t ns, const char *text)
 {
-    nstime_t time = sertap_time(ns);
-    proto_item *item = proto_tree_add_time_format_value(tree, hf, tvb, 0, 0, &time, "%s", text);
+    nstime_t shown = sertap_time(ns);
+    proto_item *item = proto_tree_add_time_format_value(tree, hf, tvb, 0, 0, &shown, "%s", text);
 
     proto_item_set_generated(item);
     return item;

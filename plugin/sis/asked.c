@@ -67,7 +67,7 @@ sis_asked_show(const sis_asked_t *asked, proto_tree *tree, tvbuff_t *tvb, packet
     add_link(tree, fields->answer_in, tvb, asked->answer_in);
     add_link(tree, fields->request_in, tvb, asked->request_in);
     if (asked->request_in != 0)
-        sertap_add_ms(tree, fields->time, tvb, pinfo->pool, asked->elapsed);
+        sertap_add_ms(tree, fields->elapsed, tvb, pinfo->pool, asked->elapsed);
 }
 
 void

@@ -32,7 +32,7 @@ void sis_asked_answer(sis_asked_t *answer, sis_asked_t *request, const sis_times
 void **sis_asked_last(const packet_info *pinfo, int proto, uint32_t what);
 
 typedef struct {
-    int request_in, answer_in, time;
+    int request_in, answer_in, elapsed;
 } sis_asked_fields_t;
 
 /* Adds what is known of it. */
