@@ -250,6 +250,12 @@ def test_a_good_telegram_inside_a_damaged_one_wins() -> None:
     assert cut(shell + GOOD + bytes(6)) == [(OTHER, shell), (FRAME, GOOD), (OTHER, bytes(6))]
 
 
+def test_a_good_telegram_one_character_after_a_false_start_wins() -> None:
+    """Its checksum is its length, so the start character before it seems to begin a telegram, too."""
+    good = bytes.fromhex("02 05 05 05 00 10 10 03 3C 03 00 8D 00")
+    assert cut(b"\x02" + good) == [(OTHER, b"\x02"), (FRAME, good)]
+
+
 def test_a_damaged_telegram_right_before_a_good_one_stays_a_frame() -> None:
     """Also inside a longer damaged candidate, which overlaps the good telegram and is dropped."""
     shell = bytes([0x02, 0x00, 0x20, 0x20, 0, 0, 0, 0])
