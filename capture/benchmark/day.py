@@ -52,6 +52,7 @@ PIECE = 2_000  # characters that are sent at once
 PER_SECOND = 30_000  # characters at most: 115200 Bd carries 10,473. As fast as possible, tshark would be too slow
 LOOK = 20_000  # characters between two looks at what a recorder takes of the machine
 FEWEST = 600  # looks; before, what it remembers has not reached its bounds, and nobody sees growth
+RECEIVED = (Type.FRAME, Type.OTHER)  # a file of a ring begins with other records
 BEFORE_NS = 50_000_000
 KEEP = ("--keep", "faults", "--keep", "sertap.type == 1", "--before", "0.05", "--after", "0.05")
 RECORDER = ("--wait-for-port", *KEEP, "--at-most", "1000000", "-b", "filesize:200")
@@ -203,13 +204,13 @@ class Run:
     def _judge(self) -> None:
         """Compare the files with what was sent, and remove them."""
         kept = Counter(
-            record for file in self._folder.glob("kept_*") for record in _records(file) if record.type != Type.EVENT
+            record for file in self._folder.glob("kept_*") for record in _records(file) if record.type in RECEIVED
         )
         arrived = [bytearray()]
         seen: Counter[Record] = Counter()  # those of them that are kept
         shelved = []
         for record in (record for file in _ring(self._folder) for record in _records(file)):
-            if record.type != Type.EVENT:
+            if record.type in RECEIVED:
                 arrived[-1] += record.data
                 shelved.append(Shelved(record.time_ns, record.type == Type.OTHER, record in kept))
                 if record in kept:
