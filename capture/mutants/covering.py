@@ -66,7 +66,7 @@ PARTS = (
     *room("sistap/dissected/episodes", "engine live", (*EPISODES, "test_live_episodes.py")),
     *room(
         "sistap/dissected/episodes",
-        "book boots diagnoses episode faults levels machine masters paces silence states trend " "values writes",
+        "book boots diagnoses episode faults levels machine masters paces silence states trend values writes",
         EPISODES,
     ),
     *room("sistap/dissected/packets", "apart dissection distribution", PACKETS),

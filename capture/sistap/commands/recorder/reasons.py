@@ -123,8 +123,9 @@ Judge = ByEpisodes | ByFilter
 def judges(
     tshark: Tshark, keep: Sequence[str], thresholds: Thresholds, values: ValueLines | None = None
 ) -> list[Judge]:
-    """Return who decides: one for each value of --keep; and who gives `values` all values. Refusal
-    without a dissector for SIS.
+    """Return who decides: one for each value of --keep; and who gives `values` all values.
+
+    Refusal if tshark has no dissector for SIS.
     """
     keeps = FAULTS in keep
     watching: list[Judge] = [ByEpisodes(tshark, thresholds, values, keeps=keeps)] if keeps or values else []

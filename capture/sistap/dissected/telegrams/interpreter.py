@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from sistap.dissected.telegrams.attribute import Attribute
 from sistap.dissected.telegrams.values import Value, value
-from sistap.tap.records.before import heard
+from sistap.tap.records.before import bus_of, heard
 from sistap.tap.records.record import Record as BareRecord
 from sistap.tap.records.record import Type
 from sistap.tap.sis.names import S_NAMES
@@ -80,8 +80,8 @@ class Interpreter:
         self._buses: dict[int, Told] = {}
 
     def take(self, taken: BareRecord) -> Record:
-        """Return a record with its telegram. The two directions of a full-duplex tap are one bus."""
-        bus = 1 if taken.line == 2 else taken.line
+        """Return a record with its telegram."""
+        bus = bus_of(taken.line)
         told = self._buses.get(bus) or self._buses.setdefault(bus, Told())
         record, said = Record._make(taken), heard(taken)
         is_whole_telegram = is_whole(said.telegram)

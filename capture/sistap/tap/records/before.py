@@ -45,7 +45,7 @@ def heard(record: Record) -> Heard:
     return Heard(line, settings, time_ns + sum(intervals[1:]), telegram, is_disturbed, limits, kind == Type.BEFORE)
 
 
-def _bus(line: int) -> int:
+def bus_of(line: int) -> int:
     """Return the bus of a line: the two directions of a full-duplex tap are one."""
     return 1 if line == 2 else line
 
@@ -62,7 +62,7 @@ class Before:
     def take(self, heard: Heard) -> None:
         """Take the next record."""
         line = heard.line
-        bus = _bus(line)
+        bus = bus_of(line)
         told = self._buses.get(bus)
         if told is None:
             told = self._buses[bus] = Told()
@@ -95,4 +95,4 @@ class Before:
                 yield Record(time_ns, Type.BEFORE, line, self._settings[line], telegram, (0,) * count, unknown)
 
     def _nothing(self, bus: int) -> Said:
-        return Said(next(line for line in self._settings if _bus(line) == bus), b"")
+        return Said(next(line for line in self._settings if bus_of(line) == bus), b"")
