@@ -7117,6 +7117,7 @@ end
 -- uncertainty was too small. Neighbouring reads bound each other in the same way.
 
 K.ANY_TIME = math.huge -- the most, where there is no bound
+K.LONGEST_CHARACTER = 1250000 -- ns: of 12 bits at 9600 Bd; SIS knows no slower rate (chapter 7.1)
 K.SET_BACK = -math.huge -- the least of a duration during which the clock was set back
 -- Where a duration begins to count: the preference sis.tza_from.
 K.FROM_UNKNOWN, K.FROM_END, K.FROM_START = 0, 1, 2
@@ -7369,9 +7370,10 @@ do
   -- Of a duration that ends with a character (ns; 0: unknown). No document says whether that one counts: the verdict
   -- with it, and the one without.
   function S.judge_both(span, character, limit)
-    local least = character > 0 and max(span.least, character) - character or 0
+    local longest = character > 0 and character or K.LONGEST_CHARACTER
+    local idle = {least = max(span.least, longest) - longest, most = max(span.most - character, 0)}
 
-    return S.judge(span, limit), S.judge({least = least, most = max(span.most - character, 0)}, limit)
+    return S.judge(span, limit), S.judge(idle, limit)
   end
 
   -- Where nobody knows what counts, what both say.

@@ -212,7 +212,7 @@ def test_any_block_comes_over(data: bytes) -> None:
 
 
 class AtTerminal:
-    """A side of the virtual bus in another process."""
+    """A side of the virtual bus in another process. Once that has ended, it hears and says nothing."""
 
     def __init__(self, terminal: int) -> None:
         self._terminal = terminal
@@ -221,7 +221,8 @@ class AtTerminal:
     def say(self) -> bytes:
         """Return one handshake or one block, even if several came together. A block of RK512 begins with 00 or FF."""
         if not self._said and select.select([self._terminal], [], [], 0)[0]:
-            self._said = os.read(self._terminal, 4096)
+            with suppress(OSError):
+                self._said = os.read(self._terminal, 4096)
         if self._said[:1] in (b"\x02", b"\x10", b"\x15"):
             size = 1
         else:
@@ -232,7 +233,8 @@ class AtTerminal:
         return said
 
     def hear(self, character: int) -> None:
-        os.write(self._terminal, bytes([character]))
+        with suppress(OSError):
+            os.write(self._terminal, bytes([character]))
 
     def wait(self, ms: float) -> None:
         """Time passes there by itself."""

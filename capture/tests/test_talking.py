@@ -199,7 +199,7 @@ def slave(react: Callable[[bytes], bytes]) -> Iterator[str]:
 def test_over_a_pseudo_terminal(tmp_path: Path) -> None:
     scenario = tmp_path / "x.toml"
     scenario.write_text(
-        'title = ""\n[[master]]\naddress = 16\nrepeats = 1\n'
+        'title = ""\n[line]\ntrs_ms = 500\n[[master]]\naddress = 16\nrepeats = 1\n'
         'script = [{ phase = "read", station = 3 }, { phase = "read", station = 4 }, { phase = "read", station = 3 }]'
     )
     log = tmp_path / "log"

@@ -12,6 +12,9 @@
 /* Character times are taken slightly short: a transmitter may be that much faster than its nominal rate. */
 #define SHORTEST_CHARACTER(ns) ((ns)*98 / 100)
 
+/* Of 12 bits at 9600 Bd: SIS knows no slower rate (chapter 7.1). In ns. */
+#define LONGEST_CHARACTER INT64_C(1250000)
+
 /* The number of characters of the telegram from the read that begins with `character`. */
 static unsigned
 read_size(const sis_times_t *times, unsigned character)
@@ -281,10 +284,9 @@ sis_judge(sis_span_t span, int64_t limit)
 sis_readings_t
 sis_judge_both(sis_span_t whole, int64_t character, int64_t limit)
 {
-    sis_span_t idle = {0, whole.most};
+    int64_t longest = character > 0 ? character : LONGEST_CHARACTER;
+    sis_span_t idle = {MAX(whole.least, longest) - longest, whole.most};
 
-    if (character > 0)
-        idle.least = MAX(whole.least, character) - character;
     if (whole.most != SIS_ANY_TIME)
         idle.most = MAX(whole.most - character, 0);
     return (sis_readings_t){sis_judge(whole, limit), sis_judge(idle, limit)};
