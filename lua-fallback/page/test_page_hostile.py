@@ -138,7 +138,7 @@ def test_html(chromium: Chromium, tmp_path: Path) -> None:
         chromium.until("document.querySelector('#busy').hidden")
         assert is_text(chromium, IMAGE) and not chromium.run(TROUBLE)
     log = tmp_path / f"{IMAGE}.log"
-    log.write_text(f"{IMAGE}\n16.03.2026 09:00:00 {IMAGE} 02 D9 02 02 00 12 03 10 02 00\n{IMAGE}\n")
+    log.write_text(f"{IMAGE}\n16.03.2026 09:00:00 {IMAGE} {build(0x12, 16, 3).hex(' ')}\n{IMAGE}\n")
     chromium.choose("#chooser", log)
     chromium.until("document.querySelector('.log-line') && document.querySelector('.answer-bar a')")
     assert is_text(chromium, f"{IMAGE}.log")
