@@ -28,6 +28,7 @@ OURS = ("sertap", "sis", "sisascii", "3964r", "rk512i", "arcnet7f", "synaxpk", "
 TREES = 500  # of a capture; only lessons 19 and 20 have more packets
 # Tables that a user edits, which Lua cannot have. Of this one sis.lua reads the file, as the plugin does.
 TABLE = "uat:sis_parameters:"
+OF_LINK_TYPES = "uat:user_dlts:"
 # The other one has no effect with sis.lua, in tshark or in the page: its file is not read (README.md of lua-fallback).
 OF_PLUGIN = "uat:synax_process_data:"
 # Decode As, in wiregasm and Wireshark a file of the profile; the page's own line of it.
@@ -67,12 +68,11 @@ class Settings(NamedTuple):
 
     @property
     def preferences(self) -> dict[str, str]:
-        """Those of the page."""
-        return dict(value.split(":", 1) for name, value in self.pairs if name == "-o" and not value.startswith(TABLE))
+        """Those of the page. Its tables are files, too."""
+        return dict(value.split(":", 1) for name, value in self.pairs if name == "-o" and not value.startswith("uat:"))
 
-    @property
-    def table(self) -> str:
-        return "".join(f"{value.removeprefix(TABLE)}\n" for _, value in self.pairs if value.startswith(TABLE))
+    def table(self, beginning: str) -> str:
+        return "".join(f"{value.removeprefix(beginning)}\n" for _, value in self.pairs if value.startswith(beginning))
 
     @property
     def files(self) -> dict[str, str]:
@@ -83,7 +83,11 @@ class Settings(NamedTuple):
             for one in entries
             if one
         )
-        named = {"sis_parameters": self.table, "decode_as_entries": more and OF_PAGE + more}
+        named = {
+            "sis_parameters": self.table(TABLE),
+            "user_dlts": self.table(OF_LINK_TYPES),
+            "decode_as_entries": more and OF_PAGE + more,
+        }
         return {name: text for name, text in named.items() if text}
 
 
@@ -105,7 +109,7 @@ def printed(script: Tshark) -> Iterator[Printed]:
         folder.chmod(0o755)  # tshark may be run by nobody
 
         def run(settings: Settings, capture: Path, *arguments: str) -> str:
-            (folder / "sis_parameters").write_text(settings.table)
+            (folder / "sis_parameters").write_text(settings.table(TABLE))
             words = ["-r", str(capture), *TWO_PASSES, *settings.options, *arguments]
             done = script.run(words, extra_environment={"WIRESHARK_CONFIG_DIR": name})
             assert done.returncode == 0, done.stderr
@@ -196,7 +200,7 @@ def test_rows_and_trees(settings: Settings, captures: list[Path], printed: Print
 def test_no_scenario_is_left_out() -> None:
     """Also those with a table, and those of UDP."""
     assert {path.stem for _, captures in groups() for path in captures} == {path.stem for path in scenarios()}
-    (table,) = (settings.files["sis_parameters"] for settings, _ in groups() if settings.table)
+    (table,) = (settings.files["sis_parameters"] for settings, _ in groups() if settings.table(TABLE))
     assert '"S","0047","Table position","mm","04220001"' in table.splitlines()
 
 
