@@ -37,13 +37,6 @@ class Terminal(NamedTuple):
     path: str
 
 
-class Character(NamedTuple):
-    """A character to play, and its interval from the one before, in ns."""
-
-    value: int
-    pause_ns: int
-
-
 class Played(NamedTuple):
     """When each terminal got each character (wall clock, ns), and each listener's share of a core."""
 
@@ -100,16 +93,13 @@ def stop_sistap(process: Program) -> None:
         raise Broken(f"sistap ended with exit code {process.returncode}: {said.strip()}")
 
 
-def play(folder: Path, characters: Iterable[Character], ends: Sequence[Terminal], listeners: list[Program]) -> Played:
-    """Play to all terminals, to each a little later than to the one before."""
-    items = array("q")
-    for character in characters:
-        items.extend(character)
-    (folder / "characters").write_bytes(items)
-    step_ns = SETTINGS.character_ns // len(ends)
+def play(folder: Path, characters: bytes, ends: Sequence[Terminal], listeners: list[Program]) -> Played:
+    """Play without a pause to all terminals, to each a little later than to the one before."""
+    (folder / "characters").write_bytes(characters)
+    times_ns = map(str, (SETTINGS.character_ns, SETTINGS.character_ns // len(ends)))
     masters = [end.master for end in ends]
     files = str(folder / "characters"), str(folder / "instants")
-    command = [compile_into(folder, "writer"), *files, str(step_ns), *map(str, masters)]
+    command = [compile_into(folder, "writer"), *files, *times_ns, *map(str, masters)]
     before_s = [_cpu_s(listener) for listener in listeners]
     started_s = time.monotonic()
     subprocess.run(command, check=True, pass_fds=masters)

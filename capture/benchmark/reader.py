@@ -28,7 +28,6 @@ from playing import (  # noqa: E402
     PATIENCE_S,
     SETTINGS,
     Broken,
-    Character,
     Program,
     columns,
     compile_into,
@@ -38,14 +37,15 @@ from playing import (  # noqa: E402
     stop_sistap,
     terminals,
 )
-from quantiles import quantiles  # noqa: E402
-from recorded import character_times_ns, sistap_records  # noqa: E402
 from telegrams import telegrams  # noqa: E402
 
+from sistap.dissected.captures.reading import records  # noqa: E402
 from sistap.tap.line import priority  # noqa: E402
 from sistap.tap.line.settings import Flag  # noqa: E402
+from sistap.tap.records.record import Type  # noqa: E402
 
 LINE_NUMBERS = {1: (0,), 2: (1, 2)}  # line numbers in a capture of that many lines
+QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "max": 1.0}
 GOAL_QUANTILES = ("p50", "p99")
 GOAL_RATIO = 1.5
 
@@ -98,10 +98,10 @@ def start_c_reader(folder: Path, file: Path, ports: list[str]) -> Program:
 def from_sistap(file: Path, line: int) -> Received:
     """Return the characters of a line in a capture."""
     data, times_ns, uncertainties_ns, same_read = bytearray(), list[int](), list[int](), list[bool]()
-    for taken in sistap_records(file):
-        if taken.line == line:
+    for taken in records(file):
+        if taken.line == line and taken.type != Type.EVENT:
             data += taken.data
-            times_ns += character_times_ns(taken)
+            times_ns += accumulate(taken.intervals[1:], initial=taken.time_ns)
             uncertainties_ns += [taken.uncertainty_ns] * len(taken.data)
             same_read += [bool(flag & Flag.SAME_READ) for flag in taken.flags]
     return Received(bytes(data), times_ns, uncertainties_ns, same_read)
@@ -142,8 +142,7 @@ def measure(folder: Path, written: bytes, numbers: tuple[int, ...]) -> Measured:
         paths = [end.path for end in ends]  # sistap's and the C reader's take turns
         c_reader = start_c_reader(folder, folder / "c", paths[1::2])
         sistap, timing = start_sistap(folder / "sistap.tap.files.pcapng", paths[::2])
-        characters = (Character(value, SETTINGS.character_ns) for value in written)
-        played = play(folder, characters, ends, [sistap, c_reader])
+        played = play(folder, written, ends, [sistap, c_reader])
         stop_sistap(sistap)
     c_reader.wait(PATIENCE_S)
 
@@ -155,6 +154,12 @@ def measure(folder: Path, written: bytes, numbers: tuple[int, ...]) -> Measured:
         c_late_ns = errors_ns("the C reader", written, from_c_reader(folder / "c", i), c_instants_ns)
         lines.append(Line(late_ns, received.uncertainties_ns, margins_ns(received), c_late_ns))
     return Measured(played.elapsed_s, timing, lines, *played.shares)
+
+
+def quantiles(values: list[int]) -> dict[str, int]:
+    """Return each of QUANTILES."""
+    ordered = sorted(values)
+    return {name: ordered[min(int(share * len(ordered)), len(ordered) - 1)] for name, share in QUANTILES.items()}
 
 
 def report(measured: Measured) -> None:

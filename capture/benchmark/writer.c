@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Plays one stream of characters into pseudo terminals at the pace of a serial line.
  *
- *     writer CHARACTERS INSTANTS STEP_NS FD...
+ *     writer CHARACTERS INSTANTS INTERVAL_NS STEP_NS FD...
  *
- * CHARACTERS has for each character two int64_t of native byte order: the character, and how long after the one before
- * it (ns). Each descriptor gets it STEP_NS after the one before, so that two readers do not wake at the same moment.
+ * Each descriptor gets a character STEP_NS after the one before, so that two readers do not wake at the same moment.
  * Waits by turning, not sleeping: a sleep is late by about a character. INSTANTS gets for each character an int64_t a
  * descriptor: just before it was written there (CLOCK_REALTIME, ns).
  */
@@ -44,21 +43,23 @@ play(int fd, char character, int64_t due, int64_t *written_at)
 int
 main(int count, char **arguments)
 {
-    int64_t step, due, character[2], written_at;
+    int64_t interval, step, due, written_at;
+    int character;
     FILE *in, *out;
 
-    if (count < 5 || !(in = fopen(arguments[1], "rb")) || !(out = fopen(arguments[2], "wb"))) {
-        fprintf(stderr, "usage: writer CHARACTERS INSTANTS STEP_NS FD...\n");
+    if (count < 6 || !(in = fopen(arguments[1], "rb")) || !(out = fopen(arguments[2], "wb"))) {
+        fprintf(stderr, "usage: writer CHARACTERS INSTANTS INTERVAL_NS STEP_NS FD...\n");
         return 2;
     }
-    step = atoll(arguments[3]);
+    interval = atoll(arguments[3]);
+    step = atoll(arguments[4]);
     due = now_ns(CLOCK_MONOTONIC);
-    while (fread(character, sizeof character, 1, in) == 1) {
-        due += character[1];
-        for (int i = 4; i < count; i++) {
-            int64_t later = (i - 4) * step;
+    while ((character = getc(in)) != EOF) {
+        due += interval;
+        for (int i = 5; i < count; i++) {
+            int64_t later = (i - 5) * step;
 
-            due = play(atoi(arguments[i]), (char)character[0], due + later, &written_at) - later;
+            due = play(atoi(arguments[i]), (char)character, due + later, &written_at) - later;
             fwrite(&written_at, sizeof written_at, 1, out);
         }
     }
