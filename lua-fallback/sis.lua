@@ -234,6 +234,10 @@ local function set_generated(item)
   return item and item:set_generated()
 end
 
+local function set_hidden(item)
+  return item and item:set_hidden()
+end
+
 -- A number that stands for no bytes: what was found out about a packet. Without a value, nothing.
 local function add_generated(tree, which, tvb, value)
   return value and set_generated(add(tree, which, tvb, 0, 0, value))
@@ -2769,28 +2773,31 @@ do
     return (is_longer and "more than " or "") .. T.ms_text(interval)
   end
 
+  -- One line, and its items for filters. A character says nothing if it has no flag and came about as long after the
+  -- one before it as it takes itself: then its line is hidden, too. Returns whether it is.
   local function add_character(tree, tvb, record, index)
     local data_at, time_at = record.data_offset + index, record.times_offset + 4 * index
-    local flags_at = record.flags_offset + index
+    local flags_at, usual = record.flags_offset + index, record.character_ns
     local value, flag = byte(record.bytes, data_at + 1), T.flags_of(record, index)
     local interval, is_longer = T.interval_of(record, index), band(flag, K.SERTAP_INTERVAL_SATURATED) ~= 0
+    local is_usual = index > 0 and flag == 0 and 2 * math.abs(interval - usual) < usual
     local subtree = add(tree, FT.character, tvb, data_at, 1, value,
-      strformat("Character %d: 0x%02x", index + 1, value))
+      not is_usual and strformat("Character %d: 0x%02x", index + 1, value) or nil)
 
+    if is_usual then set_hidden(subtree) end
     if index == 0 then interval, is_longer = T.silence(record) end
     if band(flag, K.SERTAP_INTERVAL_UNKNOWN) == 0 then
-      local text = interval_text(interval, is_longer)
-
-      append_text(subtree, ", after " .. text)
-      add_value(subtree, FT.interval, tvb, time_at, 4, nstime(interval), text)
+      if not is_usual then append_text(subtree, ", after " .. interval_text(interval, is_longer)) end
+      set_hidden(add(subtree, FT.interval, tvb, time_at, 4, nstime(interval)))
     end
-    add(subtree, FT.flags, tvb, flags_at, 1)
+    set_hidden(add(subtree, FT.flags, tvb, flags_at, 1))
     for _, known in ipairs(flags) do
       if band(flag, known.flag) ~= 0 then
         append_text(subtree, ", " .. known.text)
-        add(subtree, known.field, tvb, flags_at, 1)
+        set_hidden(add(subtree, known.field, tvb, flags_at, 1))
       end
     end
+    return is_usual
   end
 
   local function add_interval_max(tree, tvb, record)
@@ -2818,14 +2825,18 @@ do
   end
 
   local function add_characters(tree, tvb, record)
-    local length = record.flags_offset + record.timed - record.data_offset
+    local length, usual = record.flags_offset + record.timed - record.data_offset, 0
 
     add_interval_max(tree, tvb, record)
     if not are_characters_wanted(tree) then return end
     local subtree = add_subtree(tree, tvb, record.data_offset, length,
       strformat("%d character%s", record.timed, plural(record.timed)))
     for index = 0, record.timed - 1 do
-      add_character(subtree, tvb, record, index)
+      if add_character(subtree, tvb, record, index) then usual = usual + 1 end
+    end
+    if usual > 0 then
+      append_text(subtree, strformat(", %d of %d intervals about as long as one (%s)", usual, record.timed - 1,
+        T.ms_text(record.character_ns)))
     end
   end
 

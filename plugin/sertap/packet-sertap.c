@@ -189,39 +189,50 @@ character_text(wmem_allocator_t *scope, unsigned number, uint8_t value, const ch
                             : wmem_strdup(scope, text);
 }
 
+/* Their names stand in the line of the character: the items are for filters. */
 static void
 add_flags(proto_tree *tree, proto_item *character, tvbuff_t *tvb, unsigned offset, uint8_t flag)
 {
-    proto_tree_add_item(tree, hf_sertap_flags, tvb, offset, 1, ENC_BIG_ENDIAN);
+    proto_item_set_hidden(proto_tree_add_uint(tree, hf_sertap_flags, tvb, offset, 1, flag));
     for (unsigned i = 0; flag != 0 && i < array_length(flags); i++) {
         if (!(flag & flags[i].flag))
             continue;
         proto_item_append_text(character, ", %s", flags[i].text);
-        proto_tree_add_boolean(tree, *flags[i].hf, tvb, offset, 1, flags[i].flag);
+        proto_item_set_hidden(proto_tree_add_boolean(tree, *flags[i].hf, tvb, offset, 1, flags[i].flag));
     }
 }
 
-static void
-add_character(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record, unsigned at)
+/* One line, and its items for filters. A character says nothing if it has no flag and came about as long
+ * after the one before it as it takes itself, `usual`: then its line is hidden, too. Returns whether it is.
+ */
+static bool
+add_character(proto_tree *tree, packet_info *pinfo, const sertap_record_t *record, unsigned at, int64_t usual)
 {
-    unsigned data_at = record->data_offset + at, time_at = record->times_offset + 4 * at;
-    unsigned flags_at = record->flags_offset + at;
-    uint8_t value = compat_get_uint8(tvb, data_at), flag = compat_get_uint8(tvb, flags_at);
+    unsigned data_at = record->data_offset + at;
+    uint8_t value = compat_get_uint8(record->tvb, data_at), flag = sertap_flags(record, at);
     int64_t interval = sertap_interval(record, at);
+    bool is_usual = at > 0 && flag == 0 && 2 * ABS(interval - usual) < usual;
     bool is_known = at == 0 ? record->is_silence_known : !(flag & SERTAP_INTERVAL_SATURATED);
     nstime_t since = sertap_time(interval);
-    const char *text = flag & SERTAP_INTERVAL_UNKNOWN ? NULL : interval_text(pinfo, interval, is_known);
-    proto_item *ti = proto_tree_add_uint_format(tree, hf_sertap_character, tvb, data_at, 1, value, "%s",
-                                                character_text(pinfo->pool, at + 1, value, text));
+    proto_item *ti = proto_tree_add_uint(tree, hf_sertap_character, record->tvb, data_at, 1, value);
     proto_tree *subtree = proto_item_add_subtree(ti, ett_sertap_character);
 
-    if (text != NULL)
-        proto_tree_add_time_format_value(subtree, hf_sertap_interval, tvb, time_at, 4, &since, "%s", text);
-    add_flags(subtree, ti, tvb, flags_at, flag);
+    if (is_usual)
+        proto_item_set_hidden(ti);
+    else
+        proto_item_set_text(
+            ti, "%s",
+            character_text(pinfo->pool, at + 1, value,
+                           flag & SERTAP_INTERVAL_UNKNOWN ? NULL : interval_text(pinfo, interval, is_known)));
+    if (!(flag & SERTAP_INTERVAL_UNKNOWN))
+        proto_item_set_hidden(proto_tree_add_time(subtree, hf_sertap_interval, record->tvb,
+                                                  record->times_offset + 4 * at, 4, &since));
+    add_flags(subtree, ti, record->tvb, record->flags_offset + at, flag);
+    return is_usual;
 }
 
 static void
-add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
+add_interval_max(proto_tree *tree, packet_info *pinfo, const sertap_record_t *record)
 {
     unsigned at = record->interval_max_at;
     nstime_t longest = sertap_time(record->interval_max);
@@ -232,7 +243,7 @@ add_interval_max(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sert
         return;
     flag = sertap_flags(record, at);
     ti = proto_tree_add_time_format_value(
-        tree, hf_sertap_interval_max, tvb, record->times_offset + 4 * at, 4, &longest,
+        tree, hf_sertap_interval_max, record->tvb, record->times_offset + 4 * at, 4, &longest,
         "%s, before character %u",
         interval_text(pinfo, record->interval_max, !(flag & SERTAP_INTERVAL_SATURATED)), at + 1);
     proto_item_set_generated(ti);
@@ -260,20 +271,21 @@ are_characters_wanted(proto_tree *tree, const sertap_record_t *record)
 }
 
 static void
-add_characters(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
+add_characters(proto_tree *tree, packet_info *pinfo, const sertap_record_t *record)
 {
-    unsigned length = record->flags_offset + record->timed - record->data_offset;
+    unsigned length = record->flags_offset + record->timed - record->data_offset, usual = 0;
+    int64_t character = sertap_character_ns(record);
     proto_tree *subtree;
+    proto_item *ti;
 
-    if (record->interval_max_at > 0)
-        add_interval_max(tree, pinfo, tvb, record);
-    if (!are_characters_wanted(tree, record))
-        return;
-    subtree =
-        proto_tree_add_subtree_format(tree, tvb, record->data_offset, length, ett_sertap_characters, NULL,
-                                      "%u character%s", record->timed, plurality(record->timed, "", "s"));
+    subtree = proto_tree_add_subtree_format(tree, record->tvb, record->data_offset, length,
+                                            ett_sertap_characters, &ti, "%u character%s", record->timed,
+                                            plurality(record->timed, "", "s"));
     for (unsigned i = 0; i < record->timed; i++)
-        add_character(subtree, pinfo, tvb, record, i);
+        usual += add_character(subtree, pinfo, record, i, character);
+    if (usual > 0)
+        proto_item_append_text(ti, ", %u of %u intervals about as long as one (%s)", usual, record->timed - 1,
+                               sertap_ms_text(pinfo->pool, character));
 }
 
 /* One item and one mark for each kind of error, however many characters have it. */
@@ -413,8 +425,10 @@ dissect_sertap(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *data
     if (record->type == SERTAP_EVENT) {
         dissect_event(tvb, pinfo, tree, record);
     } else {
-        if (tree && record->timed > 0)
-            add_characters(tree, pinfo, tvb, record);
+        if (tree && record->interval_max_at > 0)
+            add_interval_max(tree, pinfo, record);
+        if (tree && record->timed > 0 && are_characters_wanted(tree, record))
+            add_characters(tree, pinfo, record);
         if (record->type == SERTAP_FRAME)
             dissect_frame(tvb, pinfo, parent, record);
         else if (record->type == SERTAP_BEFORE)

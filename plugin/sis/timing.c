@@ -73,10 +73,10 @@ span_text(const timing_t *t, const sis_span_t *span)
     if (span->least == SIS_SET_BACK)
         return "the clock was set back";
     if (span->most == SIS_ANY_TIME)
-        return span->least > 0 ? wmem_strdup_printf(t->pinfo->pool, "at least %s", ms_text(t, span->least))
+        return span->least > 0 ? wmem_strconcat(t->pinfo->pool, "at least ", ms_text(t, span->least), NULL)
                                : "not known";
-    return wmem_strdup_printf(t->pinfo->pool, "between %s and %s", ms_text(t, MAX(span->least, 0)),
-                              ms_text(t, span->most));
+    return wmem_strconcat(t->pinfo->pool, "between ", ms_text(t, MAX(span->least, 0)), " and ",
+                          ms_text(t, span->most), NULL);
 }
 
 static proto_item *
@@ -102,19 +102,28 @@ limit(const timing_t *t, sis_setting_kind_t kind, unsigned preference_ms)
     return told != NULL ? told->value * MS : 0;
 }
 
+static void
+show_limit(const timing_t *t, const judgement_t *judgement, const sis_setting_t *told, int64_t limit_ns)
+{
+    proto_item *item;
+
+    if (!proto_field_is_referenced(t->tree, *judgement->hf_limit))
+        return;
+    item = add_time(t, *judgement->hf_limit, limit_ns,
+                    wmem_strdup_printf(t->pinfo->pool, "%u ms", (unsigned)(limit_ns / MS)));
+    if (told != NULL && told->is_by_user)
+        proto_item_append_text(item, ", told by the user");
+}
+
 /* Limit and verdict. The words for an expert item are the same in each packet: Wireshark groups by them. The
  * numbers follow the verdict. */
 static void
 show_verdict(const timing_t *t, const judgement_t *judgement, const sis_setting_t *told, int64_t limit_ns,
              sis_verdict_t verdict, const char *words, const char *numbers)
 {
-    wmem_allocator_t *pool = t->pinfo->pool;
-    const char *limit_text = wmem_strdup_printf(pool, "%u ms", (unsigned)(limit_ns / MS));
     proto_item *item;
 
-    item = add_time(t, *judgement->hf_limit, limit_ns, limit_text);
-    if (told != NULL && told->is_by_user)
-        proto_item_append_text(item, ", told by the user");
+    show_limit(t, judgement, told, limit_ns);
     if (told != NULL && told->set_in != 0)
         add_generated(t->tree, *judgement->hf_set_in, t->body->tvb, told->set_in);
     item = add_generated(t->tree, *judgement->hf_verdict, t->body->tvb, verdict);
@@ -190,54 +199,56 @@ static const char *
 idle_text(const timing_t *t, int64_t ns)
 {
     int64_t character = t->telegram->times.character;
+    const char *idle = character != 0 ? ms_text(t, MAX(ns - character, 0)) : "time not known";
 
-    if (character == 0)
-        return wmem_strdup_printf(t->pinfo->pool, "%s (idle time not known", ms_text(t, ns));
-    return wmem_strdup_printf(t->pinfo->pool, "%s (idle %s", ms_text(t, ns),
-                              ms_text(t, MAX(ns - character, 0)));
+    return wmem_strconcat(t->pinfo->pool, ms_text(t, ns), " (idle ", idle, NULL);
 }
 
 static const char *
 interval_text(const timing_t *t, const sis_interval_t *interval)
 {
     uint32_t uncertainty = t->telegram->times.record->uncertainty;
+    wmem_allocator_t *pool = t->pinfo->pool;
 
     if (interval->is_saturated)
-        return wmem_strdup_printf(t->pinfo->pool, "more than %s", ms_text(t, interval->recorded));
+        return wmem_strconcat(pool, "more than ", ms_text(t, interval->recorded), NULL);
     if (!interval->is_exact)
         return span_text(t, &interval->span);
-    return wmem_strdup_printf(
-        t->pinfo->pool, "%s%s)", idle_text(t, interval->recorded),
-        uncertainty == SERTAP_UNCERTAINTY_UNKNOWN
-            ? ", uncertainty unknown"
-            : wmem_strdup_printf(t->pinfo->pool, ", uncertain by %s", ms_text(t, uncertainty)));
+    if (uncertainty == SERTAP_UNCERTAINTY_UNKNOWN)
+        return wmem_strconcat(pool, idle_text(t, interval->recorded), ", uncertainty unknown)", NULL);
+    return wmem_strconcat(pool, idle_text(t, interval->recorded), ", uncertain by ", ms_text(t, uncertainty),
+                          ")", NULL);
 }
 
-/* The longest interval, its place, and the verdict on TzA. */
+/* The longest interval, and its place. */
+static void
+show_longest(const timing_t *t, const sis_interval_t *interval)
+{
+    bool is_recorded = interval->is_exact || interval->is_saturated;
+    int64_t most = is_recorded ? interval->recorded : interval->span.most;
+
+    if (most != SIS_ANY_TIME) {
+        if (proto_field_is_referenced(t->tree, hf_sis_tza_interval_max))
+            add_time(t, hf_sis_tza_interval_max, most, interval_text(t, interval));
+        sertap_add_column_ms(t->tree, hf_sis_tza_interval_max_ms, t->body->tvb, most);
+    }
+    if (proto_field_is_referenced(t->tree, hf_sis_tza_position))
+        proto_item_append_text(add_generated(t->tree, hf_sis_tza_position, t->body->tvb, interval->at),
+                               " (%s)", position_text(t, interval->at));
+}
+
+/* The longest interval and the verdict on TzA. */
 static void
 show_tza(const timing_t *t)
 {
     const sis_longest_t *longest = &t->timing->longest;
-    const sis_interval_t *interval = &longest->interval;
-    const char *text, *position;
-    bool is_recorded = interval->is_exact || interval->is_saturated;
 
-    if (interval->at == 0)
+    if (longest->interval.at == 0)
         return;
-    text = interval_text(t, interval);
-    position = position_text(t, interval->at);
-    if (is_recorded || interval->span.most != SIS_ANY_TIME) {
-        int64_t most = is_recorded ? interval->recorded : interval->span.most;
-
-        add_time(t, hf_sis_tza_interval_max, most, text);
-        sertap_add_column_ms(t->tree, hf_sis_tza_interval_max_ms, t->body->tvb, most);
-    }
-    proto_item_append_text(add_generated(t->tree, hf_sis_tza_position, t->body->tvb, interval->at), " (%s)",
-                           position);
-    if (t->timing->tza == 0)
-        return;
-    show_verdict(t, &tza, pref_sis_tza_ms == 0 ? setting(t, SIS_TZA) : NULL, t->timing->tza, longest->verdict,
-                 verdict_words(longest), verdict_numbers(t));
+    show_longest(t, &longest->interval);
+    if (t->timing->tza != 0)
+        show_verdict(t, &tza, pref_sis_tza_ms == 0 ? setting(t, SIS_TZA) : NULL, t->timing->tza,
+                     longest->verdict, verdict_words(longest), verdict_numbers(t));
 }
 
 /* The reaction time of a slave on this line; behind a router it includes times of other lines. */
@@ -260,7 +271,8 @@ show_trs(const timing_t *t)
                     ? ": depends on whether the first character counts"
                     : "";
     show_verdict(t, &trs, pref_sis_trs_ms == 0 ? setting(t, SIS_TRS) : NULL, t->timing->trs,
-                 t->timing->trs_verdict, words, is_resolvable ? span_text(t, &span) : "");
+                 t->timing->trs_verdict, words,
+                 is_resolvable && t->timing->trs_verdict != SIS_TIME_OK ? span_text(t, &span) : "");
 }
 
 /* The master's wait before a repetition, or after a broadcast. TwM is never sent, but a slave may take TrS
@@ -334,8 +346,8 @@ show_silence(const timing_t *t)
         return;
     item = add_time(t, hf_sis_silence_before, silence,
                     t->timing->is_silence_known
-                        ? wmem_strdup_printf(t->pinfo->pool, "%s)", idle_text(t, silence))
-                        : wmem_strdup_printf(t->pinfo->pool, "more than %s", ms_text(t, silence)));
+                        ? wmem_strconcat(t->pinfo->pool, idle_text(t, silence), ")", NULL)
+                        : wmem_strconcat(t->pinfo->pool, "more than ", ms_text(t, silence), NULL));
     if (silence > OPERATOR_TERMINAL_SILENCE)
         proto_item_append_text(item, ", more than the 200 ms after which an operator terminal gives up");
 }

@@ -60,7 +60,7 @@ export class Editable {
 
   get(number, field) {
     const at = this.places[number - 1].data + field.start;
-    return field.length === 4 ? this.data.getUint32(at) : this.data.getUint8(at);
+    return this.data[{ 1: "getUint8", 2: "getUint16", 4: "getUint32" }[field.length]](at);
   }
 
   set(number, field, value) {

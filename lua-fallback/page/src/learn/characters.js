@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The characters of packets, to be moved and changed. Every change is one of bytes where Wireshark says that a field is.
+// The characters of packets, to be moved and changed. Every change is one of bytes.
 
 import { allOf, firstOf } from "../front/items.js";
 import { Editable } from "./bench.js";
@@ -20,11 +20,15 @@ export class Characters {
     this.widthNs = this.lanes.at(-1).length ? this.width(packets.at(-1).tree, this.numbers.at(-1)) : 0;
   }
 
-  // Of each character: {id, number of the packet, place in it, end (ns), fields}.
+  // Of each character: {id, number of the packet, place in it, end (ns), fields}. The tree shows only those that say
+  // something; plugin/docs/record.md says where each is in its record.
   lane(tree, number) {
+    const get = (name) => this.editable.get(number, firstOf(tree, name));
+    const begin = firstOf(tree, "sertap.version").start + get("sertap.header_length"), count = get("sertap.count");
     let end = this.editable.time(number);
-    return allOf(tree, "sertap.character").map((value, place) => {
-      const [interval, flags] = ["sertap.interval", "sertap.flags"].map((name) => firstOf(value.tree, name));
+    return Array.from({ length: count }, (_, place) => {
+      const value = { start: begin + place, length: 1 }, flags = { start: begin + 5 * count + place, length: 1 };
+      const interval = { start: begin + count + 4 * place, length: 4 };
       if (place) end += BigInt(this.editable.get(number, interval));
       return { id: `${number}.${place}`, number, place, end, fields: { value, interval, flags } };
     });
