@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
+from math import isnan
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
@@ -273,7 +274,7 @@ class Dissection:
         self._tshark = tshark
         self._captures = captures
         self._more = more
-        self._fields = (*FIELDS, *more)
+        self._fields = tuple(dict.fromkeys((*FIELDS, *more)))
         self._keeps = keeps
         self._since_s = since_s
         self._zero_s: float | None = None  # where the seconds begin, since 1970; None: not yet reached
@@ -482,10 +483,6 @@ class _Told:
         begin = _ROW.size + telegrams * _TIMES.size
         characters = begin + 8 * intervals
         end = characters + count
-        of_telegrams = [_TIMES.unpack_from(own, at) for at in range(_ROW.size, begin, _TIMES.size)]
-        intervals_s = list(struct.unpack_from(f"={intervals}d", own, begin))
-        epoch_ns = seconds * _S + nanoseconds
-        uncertainty_s = uncertainty_s if uncertainty_s == uncertainty_s else None
         said: list[list[Access]] = [[]] * telegrams
         columns, parts = alike.columns, alike.parts
         if len(own) > end:
@@ -494,12 +491,26 @@ class _Told:
             said = [accesses(port, text.rstrip(JOINT)) for text in texts[len(self._places) :]]
             if self._places:
                 columns, parts = self._with_more(texts, alike)
-        own_of = number, epoch_ns, time_s, uncertainty_s, intervals_s, own[characters:end]
-        return _packet(own_of, list(zip(of_telegrams, parts, said, strict=False)), said, columns, alike)
+        places = range(_ROW.size, begin, _TIMES.size)
+        return _packet(
+            (
+                number,
+                seconds * _S + nanoseconds,
+                time_s,
+                None if isnan(uncertainty_s) else uncertainty_s,
+                list(_doubles(intervals).unpack_from(own, begin)),
+                own[characters:end],
+            ),
+            [
+                _telegram(_TIMES.unpack_from(own, place), part, one, known)
+                for place, part, one, known in zip(places, parts, said, alike.telegrams, strict=False)
+            ],
+            said,
+            columns,
+            alike,
+        )
 
-    def _with_more(
-        self, texts: Sequence[str], alike: _Alike
-    ) -> tuple[Mapping[str, str], Sequence[Mapping[str, str]]]:
+    def _with_more(self, texts: Sequence[str], alike: _Alike) -> tuple[Mapping[str, str], Sequence[Mapping[str, str]]]:
         """Return the columns of a packet and of its telegrams, with the other fields that were asked for."""
         columns = _Columns(self._places, texts, alike.columns)
         if len(alike.parts) == 1:
@@ -540,6 +551,11 @@ def packet_of(columns: Mapping[str, str]) -> Packet:
     return _printed_packet(columns, _own(columns), _Alike.of(columns, _parts(columns)))
 
 
+@lru_cache(1024)
+def _doubles(count: int) -> struct.Struct:
+    return struct.Struct(f"={count}d")
+
+
 def _alike_as_told(text: str) -> _Alike:
     """Return what a text of the tap says: a line of the packet, and one of each telegram."""
     lines = [safe(line) for line in text.split("\n")]
@@ -567,11 +583,18 @@ def _printed_packet(columns: Mapping[str, str], own: list[str], alike: _Alike) -
     each = [(own, columns)]
     if len(alike.telegrams) != 1:
         each = [(_own(part), part) for part in _parts(columns)]
-    of_telegrams = [(_times(own), part, accesses(port, own[_ACCESSES])) for own, part in each]
-    epoch_ns, time_s, uncertainty_s = int(f"{seconds}{decimals:0<9.9}"), float(relative or 0), _known_number(uncertainty)
+    telegrams = [
+        _telegram(_times(own), part, accesses(port, own[_ACCESSES]), known)
+        for (own, part), known in zip(each, alike.telegrams, strict=True)
+    ]
+    epoch_ns, time_s, uncertainty_s = (
+        int(f"{seconds}{decimals:0<9.9}"),
+        float(relative or 0),
+        _known_number(uncertainty),
+    )
     characters = bytes.fromhex(columns.get(CHARACTERS, "").replace(JOINT, "").replace("0x", ""))
     own_of = int(number), epoch_ns, time_s, uncertainty_s, intervals_s, characters
-    return _packet(own_of, of_telegrams, [accesses(port, own[_ACCESSES])], columns, alike)
+    return _packet(own_of, telegrams, [accesses(port, own[_ACCESSES])], columns, alike)
 
 
 def _times(own: list[str]) -> _OwnTimes:
@@ -594,8 +617,8 @@ def _time(text: str) -> float:
 
 def _packet(
     own: tuple[int, int, float, float | None, list[float], bytes],
-    telegrams: Sequence[tuple[_OwnTimes, Mapping[str, str], list[Access]]],
-    said: Sequence[list[Access]],
+    telegrams: list[Telegram],
+    said: list[list[Access]],
     columns: Mapping[str, str],
     alike: _Alike,
 ) -> Packet:
@@ -613,8 +636,8 @@ def _packet(
         uncertainty_s,
         intervals_s,
         since_s,
-        [_telegram(*one, known) for one, known in zip(telegrams, alike.telegrams, strict=True)],
-        [access for one in said for access in one],
+        telegrams,
+        said[0] if len(said) == 1 else list(itertools.chain.from_iterable(said)),
         columns,
         alike,
         epoch_ns,
@@ -658,13 +681,14 @@ def _making(columns: Mapping[str, str], faults: Sequence[Fault]) -> Callable[...
 
 def _telegram(own: _OwnTimes, columns: Mapping[str, str], said: list[Access], alike: _AlikeTelegram) -> Telegram:
     silence_s, reaction_s, pause_s, cycle_s, load, command_in, position = own
+    # Most of these are unknown: to ask before each call takes a third of the time.
     return alike.make(
         command_in or None,
-        load if load == load else None,
-        Judged(silence_s, None, None) if silence_s == silence_s else None,
-        _judged(reaction_s, *alike.trs),
-        _judged(pause_s, *alike.tza),
-        _judged(cycle_s, *alike.tmas),
+        None if isnan(load) else load,
+        None if isnan(silence_s) else Judged(silence_s, None, None),
+        None if isnan(reaction_s) and alike.trs[1] is None else _judged(reaction_s, *alike.trs),
+        None if isnan(pause_s) and alike.tza[1] is None else _judged(pause_s, *alike.tza),
+        None if isnan(cycle_s) and alike.tmas[1] is None else _judged(cycle_s, *alike.tmas),
         position or None,
         columns,
         alike.faults,
@@ -672,10 +696,8 @@ def _telegram(own: _OwnTimes, columns: Mapping[str, str], said: list[Access], al
     )
 
 
-def _judged(time_s: float, limit_s: float | None, verdict: int | None) -> Judged | None:
-    if time_s != time_s:
-        return None if verdict is None else Judged(0.0, limit_s, verdict)
-    return Judged(time_s, limit_s, verdict)
+def _judged(time_s: float, limit_s: float | None, verdict: int | None) -> Judged:
+    return Judged(0.0 if isnan(time_s) else time_s, limit_s, verdict)
 
 
 def _integer(text: str | None) -> int | None:
