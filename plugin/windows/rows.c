@@ -19,8 +19,9 @@
 
 #define NAME       "sis,rows"
 #define VERSION    "1"
-#define JOINT      '\x1f' /* between several values of a field */
-#define MOST_KINDS 2048   /* then their numbers begin anew: nobody has to remember more */
+#define JOINT      '\x1f'    /* between several values of a field */
+#define MOST_KINDS 2048      /* then their numbers begin anew: nobody has to remember more ... */
+#define MOST_TEXT  (1 << 22) /* ... or if their texts are so long together */
 
 /* What begins each entry. */
 typedef struct {
@@ -62,6 +63,7 @@ typedef struct {
 
 typedef struct {
     GHashTable *kinds; /* number by text */
+    size_t text;       /* bytes of these */
     GArray *columns;   /* of fields of a tree */
     GString *row;      /* as it is written, at once: each call of stdio takes a lock */
     epan_dissect_t *packet;
@@ -206,8 +208,11 @@ kind_number(rows_t *rows, const char *kind)
 
     if (g_hash_table_lookup_extended(rows->kinds, kind, NULL, &known))
         return (uint16_t)GPOINTER_TO_UINT(known);
-    if (g_hash_table_size(rows->kinds) == MOST_KINDS)
+    if (g_hash_table_size(rows->kinds) == MOST_KINDS || rows->text > MOST_TEXT) {
         g_hash_table_remove_all(rows->kinds);
+        rows->text = 0;
+    }
+    rows->text += head.length;
     head.kind = (uint16_t)g_hash_table_size(rows->kinds);
     g_hash_table_insert(rows->kinds, g_strdup(kind), GUINT_TO_POINTER(head.kind));
     append(rows->row, &head, sizeof head);
