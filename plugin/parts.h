@@ -15,6 +15,7 @@ void sis_parameters_register(void);
 void sis_address_register(void);
 void sis_asked_register(void);
 void sis_routes_register(void);
+void sis_told_register(void);
 void sis_exchange_register(void);
 void sis_pieces_register(void);
 void sis_packet_register(void);

@@ -22,6 +22,7 @@ proto_register_sis(void)
     sis_parameters_register();
     sis_packet_register();
     sis_routes_register();
+    sis_told_register();
     sis_exchange_register();
     sis_pieces_register();
     sis_export_register();

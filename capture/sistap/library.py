@@ -388,7 +388,7 @@ def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator
     if it is no capture, OSError if it cannot be read. A file that is cut off ends early; the logger `sistap` says so.
     """
     from sistap.dissected.captures.portions import TOGETHER, in_turn
-    from sistap.dissected.packets.dissection import FIELDS, Dissection
+    from sistap.dissected.packets.dissection import Dissection
     from sistap.dissected.wireshark.tshark import Tshark
     from sistap.tap.common import temporary
 
@@ -402,10 +402,9 @@ def dissect(source: str | Path | Iterable[BareRecord], *fields: str) -> Iterator
                 for record in source:
                     capture.write(record)
         captures = stack.enter_context(closing(in_turn([path], TOGETHER, _LOG.warning)))
-        more = [field for field in fields if field not in FIELDS]
-        dissection = Dissection(stack.enter_context(Tshark()), captures, more, keeps=False)
+        dissection = Dissection(stack.enter_context(Tshark()), captures, fields, keeps=False)
         for packet in stack.enter_context(dissection).packets():
-            if unknown := [field for field in more if field in dissection.missing]:
+            if unknown := [field for field in fields if field in dissection.missing]:
                 raise ValueError(f"tshark knows no field {unknown[0]}")
             yield packet
         if dissection.warning:

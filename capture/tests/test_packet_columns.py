@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import pytest
+from no_tap import NoTap
 
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.packets.dissection import Dissection, Packet, packet_of
@@ -157,7 +158,7 @@ def test_other_words_of_a_telegram() -> None:
 # -- Several captures ------------------------------------------------------------------------------------------------
 
 
-class Rows:
+class Rows(NoTap):
     """A tshark that prints rows of these columns, and may fail at the end of a capture."""
 
     NAMES = "frame.number", "frame.time_epoch", "frame.time_relative", "sis.command_in", "sis.bus.load"  # its own

@@ -197,20 +197,20 @@ def test_a_text_with_quotes_and_backslashes(is_doubled: bool) -> None:
     escaped = "".join(c if c.isalnum() and c.isascii() else f"\\u{ord(c):04x}" for c in ODD_TEXT)
     row = f'{{"access":"read","master":16,"station":"3","device":5,"parameter":"S-0-0030","value":"{escaped}"}}'
     row = row.replace("\\", "\\\\") if is_doubled else row
-    assert [access.value for access in accesses({"sis.access": row})] == [visible(ODD_TEXT)]
+    assert [access.value for access in accesses("", row)] == [visible(ODD_TEXT)]
 
 
 @pytest.mark.parametrize("number", range(6))
 def test_an_access_that_nobody_understands_is_left_out(number: int) -> None:
     texts = '{"value":"\\x"}', "{}", "[]", "1", "{", '{"access":"read","number":' + "1" * 5000 + "}"
-    assert list(accesses({"sis.access": texts[number]})) == []
+    assert list(accesses("", texts[number])) == []
 
 
 @pytest.mark.parametrize("digits", ["1" * 400, "-" + "1" * 400 + ".5"], ids=["integer", "decimals"])
 def test_a_number_that_is_too_large(digits: str) -> None:
     """The ASCII protocol has digits without an end."""
     row = f'{{"access":"read","station":"3","device":5,"parameter":"S-0-0030","value":"{digits}","number":{digits}}}'
-    (access,) = accesses({"sis.access": row})
+    (access,) = accesses("", row)
     assert (access.number, access.value) == (None, digits)
 
 

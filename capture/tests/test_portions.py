@@ -12,6 +12,7 @@ from typing import Any, cast
 
 import planted
 import pytest
+from no_tap import NoTap
 
 from sistap import cli
 from sistap.dissected.captures import portions, reading
@@ -114,14 +115,14 @@ def test_portions_are_judged_as_one(
         assert one["start_s"] == pytest.approx(other["start_s"], abs=1e-5)
 
 
-class OneAfterTheOther:
+class OneAfterTheOther(NoTap):
     """tshark, each time with the next rows."""
 
     def __init__(self, *runs: Sequence[Mapping[str, str]]) -> None:
         self._runs = iter(runs)
 
     def lines(self, arguments: Sequence[str]) -> Iterator[str]:
-        names = arguments[-1].removeprefix("sis,rows,").split(",")
+        names = [name for option, name in pairwise(arguments) if option == "-e"]
         rows = [[row.get(name, "") for name in names] for row in next(self._runs)]
         return iter(["\t".join(row) for row in (names, *rows)])
 

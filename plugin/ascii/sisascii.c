@@ -15,6 +15,7 @@
 #include "protocol/limits.h"
 #include "sis/access.h"
 #include "sis/segments.h"
+#include "sis/told.h"
 
 #define MOST_DIGITS      3
 #define LARGEST_ADDRESS  255u
@@ -303,6 +304,7 @@ show_verdict(line_t *line, unsigned limit_ms, const char *source)
     if (source[0] != '\0')
         add_link(line->tree, hf_sis_trs_set_in, line->tvb, line->unit->limit.set_in);
     item = add_generated(line->tree, hf_sis_trs_verdict, line->tvb, verdict);
+    sis_tell(line->pinfo, hf_sis_trs_verdict, verdict);
     if (verdict == SIS_TIME_EXCEEDED) {
         expert_add_info(line->pinfo, item, &ei_sis_trs_exceeded);
         wmem_strbuf_append(line->marks, "  [TrS exceeded]");
@@ -347,10 +349,12 @@ show_command(line_t *line, const sisascii_command_t *command)
     add_link(line->tree, hf_sis_next_command_in, line->tvb, command->next_in);
     if (command->repeat_of != 0) {
         expert_add_info(line->pinfo, line->root, &ei_sis_command_repeat);
+        sis_tell(line->pinfo, hf_sis_repeat_of, command->repeat_of);
         wmem_strbuf_append(line->marks, "  [repeat]");
     }
     if (command->next_in != 0) {
         expert_add_info(line->pinfo, line->root, &ei_sis_command_unanswered);
+        sis_tell_expert(line->pinfo, &ei_sis_command_unanswered);
         wmem_strbuf_append(line->marks, "  [no reaction]");
     }
 }
@@ -494,6 +498,7 @@ dissect_sisascii(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent, void *da
         line.unit = sisascii_find(pinfo, &line.said, &line.times);
     }
     add_generated(line.tree, hf_sisascii_kind, tvb, line.unit->kind);
+    sis_tell(pinfo, hf_sisascii_kind, line.unit->kind);
     show_drive(&line);
     show_line(&line);
     show_links(&line);

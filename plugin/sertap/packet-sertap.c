@@ -48,12 +48,8 @@ static const flag_t flags[] = {
 static void
 add_format(proto_tree *tree, packet_info *pinfo, tvbuff_t *tvb, const sertap_record_t *record)
 {
-    static const char parity_letters[] = "NEOMS";
-    char parity = record->parity < strlen(parity_letters) ? parity_letters[record->parity] : '?';
-    const char *stop = val_to_str_const(record->stop_half_bits, sis_sertap_stop_bits, "?");
-    const char *text = proto_field_is_referenced(tree, hf_sertap_format)
-                           ? wmem_strdup_printf(pinfo->pool, "%u%c%s", record->data_bits, parity, stop)
-                           : "";
+    const char *text =
+        proto_field_is_referenced(tree, hf_sertap_format) ? sertap_format_text(pinfo->pool, record) : "";
     proto_item *ti = proto_tree_add_string(tree, hf_sertap_format, tvb, 8, 3, text);
     proto_tree *subtree = proto_item_add_subtree(ti, ett_sertap_format);
 
@@ -311,7 +307,7 @@ dissect_event(tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree, const sertap_
     proto_item *ti = proto_tree_add_item(tree, hf_sertap_event, tvb, 18, 2, ENC_BIG_ENDIAN);
 
     proto_tree_add_item(tree, hf_sertap_text, tvb, record->data_offset, record->values, ENC_UTF_8);
-    if (record->event == SERTAP_CHARACTERS_LOST || record->event == SERTAP_ADAPTER_LOST)
+    if (sertap_is_loss(record))
         expert_add_info_format(pinfo, ti, &ei_sertap_event_expert, "%s", name);
     col_add_fstr(pinfo->cinfo, COL_INFO, "%s: %s", name, text);
 }

@@ -39,6 +39,23 @@ sertap_character_ns(const sertap_record_t *record)
     return record->baud != 0 ? half_bits * 500000000 / record->baud : 0;
 }
 
+const char *
+sertap_format_text(wmem_allocator_t *scope, const sertap_record_t *record)
+{
+    static const char parity_letters[] = "NEOMS";
+    char parity = record->parity < strlen(parity_letters) ? parity_letters[record->parity] : '?';
+
+    return wmem_strdup_printf(scope, "%u%c%s", record->data_bits, parity,
+                              val_to_str_const(record->stop_half_bits, sis_sertap_stop_bits, "?"));
+}
+
+bool
+sertap_is_loss(const sertap_record_t *record)
+{
+    return record->type == SERTAP_EVENT &&
+           (record->event == SERTAP_CHARACTERS_LOST || record->event == SERTAP_ADAPTER_LOST);
+}
+
 static uint32_t
 big_endian(const uint8_t *bytes)
 {

@@ -58,6 +58,12 @@ uint8_t sertap_flags(const sertap_record_t *record, unsigned at);
 /* The duration of a character, including start and stop bits; 0 if the rate is unknown. */
 int64_t sertap_character_ns(const sertap_record_t *record);
 
+/* "8E1" */
+const char *sertap_format_text(wmem_allocator_t *scope, const sertap_record_t *record);
+
+/* Whether it is an event that tells of a loss. */
+bool sertap_is_loss(const sertap_record_t *record);
+
 /* Fills in the longest interval, the duration and the errors, from its arrays. */
 void sertap_record_survey(sertap_record_t *record);
 

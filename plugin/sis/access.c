@@ -7,6 +7,7 @@
 #include "parameters/values.h"
 #include "parts.h"
 #include "sis/address.h"
+#include "sis/told.h"
 
 #define SHOWN_BYTES      16u
 #define SHOWN_CHARACTERS 80u
@@ -21,7 +22,7 @@ sis_keep_written(sis_body_t *body)
 bool
 sis_access_is_wanted(proto_tree *tree)
 {
-    return tree != NULL && proto_field_is_referenced(tree, hf_sis_access);
+    return sis_is_told() || (tree != NULL && proto_field_is_referenced(tree, hf_sis_access));
 }
 
 /* A reaction that comes twice is counted once, one from before this file not at all. */
@@ -43,20 +44,6 @@ bytes_text(wmem_allocator_t *scope, tvbuff_t *data)
     return length <= SHOWN_BYTES ? text : wmem_strdup_printf(scope, "%s... (%u bytes)", text, length);
 }
 
-static void
-set_value(sis_access_t *access, packet_info *pinfo, tvbuff_t *tvb)
-{
-    sis_element_data_t data = {tvb, ENC_LITTLE_ENDIAN, true, &access->place};
-    const char *text = sis_add_element(NULL, pinfo, &data, SIS_ELEMENT_DATA, &access->ident, &access->known);
-    double number;
-
-    access->data = tvb;
-    access->is_raw = text == NULL;
-    access->is_number = text != NULL && sis_element_number(&data, &access->known, text, &number);
-    access->value =
-        text != NULL ? sis_text_shortened(pinfo->pool, text, SHOWN_CHARACTERS) : bytes_text(pinfo->pool, tvb);
-}
-
 /* Of ASCII characters, and never two backslashes in a row: `tshark -T fields` doubles each since
  * Wireshark 4.2, 4.0 and `-z sis,rows` do not, and so a reader needs not know who printed it. */
 static void
@@ -69,21 +56,33 @@ append_character(wmem_strbuf_t *json, gunichar2 character)
 }
 
 static void
+append_odd_text(wmem_strbuf_t *json, const char *text)
+{
+    char *valid = g_utf8_make_valid(text, -1);
+    gunichar2 *characters = g_utf8_to_utf16(valid, -1, NULL, NULL, NULL);
+
+    for (const gunichar2 *character = characters; *character != 0; character++)
+        append_character(json, *character);
+    g_free(characters);
+    g_free(valid);
+}
+
+static void
 append_text(wmem_strbuf_t *json, const char *name, const char *text)
 {
-    char *valid;
-    gunichar2 *characters;
+    const char *end = text;
 
     if (text == NULL)
         return;
-    valid = g_utf8_make_valid(text, -1);
-    characters = g_utf8_to_utf16(valid, -1, NULL, NULL, NULL);
-    wmem_strbuf_append_printf(json, ",\"%s\":\"", name);
-    for (const gunichar2 *character = characters; *character != 0; character++)
-        append_character(json, *character);
+    while (g_ascii_isprint(*end) && *end != '"' && *end != '\\')
+        end++;
+    wmem_strbuf_append(json, ",\"");
+    wmem_strbuf_append(json, name);
+    wmem_strbuf_append(json, "\":\"");
+    wmem_strbuf_append_len(json, text, (size_t)(end - text));
+    if (*end != '\0')
+        append_odd_text(json, end);
     wmem_strbuf_append_c(json, '"');
-    g_free(characters);
-    g_free(valid);
 }
 
 /* JSON has decimal numbers only. */
@@ -97,12 +96,32 @@ append_number(wmem_strbuf_t *json, const char *value)
         wmem_strbuf_append_len(json, value, strspn(value, "+-.0123456789e"));
 }
 
-/* A JSON object; unknown values are left out. */
-static const char *
-json_text(wmem_allocator_t *scope, const sis_access_t *access)
+/* The value as displayed, bytes if its attribute is unknown; and all bytes. */
+static void
+append_data(wmem_strbuf_t *json, packet_info *pinfo, const sis_access_t *access)
 {
+    sis_element_data_t data = {access->data, ENC_LITTLE_ENDIAN, true, &access->place};
+    const char *text = sis_add_element(NULL, pinfo, &data, SIS_ELEMENT_DATA, &access->ident, &access->known);
+    unsigned length = tvb_captured_length(data.tvb);
+    double number;
+
+    append_text(json, "value",
+                text != NULL ? sis_text_shortened(pinfo->pool, text, SHOWN_CHARACTERS)
+                             : bytes_text(pinfo->pool, data.tvb));
+    if (text == NULL)
+        wmem_strbuf_append(json, ",\"raw\":true");
+    else if (sis_element_number(&data, &access->known, text, &number))
+        append_number(json, text);
+    append_text(
+        json, "data",
+        length > 0 ? bytes_to_str_maxlen(pinfo->pool, tvb_get_ptr(data.tvb, 0, (int)length), length, 0) : "");
+}
+
+const char *
+sis_access_text(packet_info *pinfo, const sis_access_t *access)
+{
+    wmem_allocator_t *scope = pinfo->pool;
     wmem_strbuf_t *json = wmem_strbuf_new(scope, "");
-    unsigned length = access->data != NULL ? tvb_captured_length(access->data) : 0;
 
     wmem_strbuf_append_printf(json, "{\"access\":\"%s\"", access->is_write ? "write" : "read");
     if (access->has_master)
@@ -114,13 +133,8 @@ json_text(wmem_allocator_t *scope, const sis_access_t *access)
     append_text(json, "value", access->value);
     if (access->is_number)
         append_number(json, access->value);
-    if (access->is_raw)
-        wmem_strbuf_append(json, ",\"raw\":true");
     if (access->data != NULL)
-        append_text(json, "data",
-                    length > 0
-                        ? bytes_to_str_maxlen(scope, tvb_get_ptr(access->data, 0, (int)length), length, 0)
-                        : "");
+        append_data(json, pinfo, access);
     append_text(json, "text", access->text);
     append_text(json, "name", access->known.name);
     append_text(json, "unit", access->known.unit);
@@ -133,8 +147,10 @@ json_text(wmem_allocator_t *scope, const sis_access_t *access)
 void
 sis_access_tell(const sis_access_t *access, tvbuff_t *tvb, packet_info *pinfo, proto_tree *tree)
 {
-    proto_item_set_hidden(
-        proto_tree_add_string(tree, hf_sis_access, tvb, 0, 0, json_text(pinfo->pool, access)));
+    sis_tell_access(pinfo, access);
+    if (tree != NULL && proto_field_is_referenced(tree, hf_sis_access))
+        proto_item_set_hidden(
+            proto_tree_add_string(tree, hf_sis_access, tvb, 0, 0, sis_access_text(pinfo, access)));
 }
 
 static void
@@ -151,8 +167,7 @@ note(sis_body_t *body, bool is_write, const char *error, tvbuff_t *data)
     access->ident = asked->ident;
     access->known = sis_station_known(body, asked->ident, asked->device);
     sis_station_complete(body, &access->known);
-    if (data != NULL)
-        set_value(access, body->pinfo, data);
+    access->data = data;
     sis_access_tell(access, body->tvb, body->pinfo, body->tree);
 }
 

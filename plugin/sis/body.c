@@ -3,6 +3,7 @@
 #include "sis/body.h"
 
 #include "parameters/values.h"
+#include "sis/told.h"
 
 bool
 sis_has_exchange(const sis_body_t *body)
@@ -61,6 +62,7 @@ sis_mark(sis_body_t *body, expert_field *ei, const char *format, ...)
     text = wmem_strdup_vprintf(body->pinfo->pool, format, arguments);
     va_end(arguments);
     expert_add_info_format(body->pinfo, body->item, ei, "%s", text);
+    sis_tell_expert(body->pinfo, ei);
     wmem_strbuf_append_printf(body->marks, "  [%s]", text);
 }
 

@@ -8,6 +8,7 @@
 #include "sis/names.h"
 #include "sis/sequence.h"
 #include "sis/services/services.h"
+#include "sis/told.h"
 
 static void dissect_list(sis_body_t *body);
 
@@ -36,6 +37,7 @@ take_status(sis_body_t *body)
         text = try_val_to_str(status, sis_status_phase);
     if (text == NULL)
         text = rval_to_str_const(status, sis_status, "");
+    sis_tell(body->pinfo, hf_sis_status, status);
     body->status = status;
     body->item = proto_tree_add_uint_format_value(body->tree, hf_sis_status, body->tvb, body->offset, 1,
                                                   status, "%s (0x%02x)", text, status);
@@ -296,6 +298,7 @@ dissect_element(sis_body_t *list, unsigned number, commands_t *commands)
             sis_mark(list, &ei_sis_body_missing, "an element is cut");
             list->is_cut = true; /* so its missing field has no note */
         }
+        sis_tell(list->pinfo, hf_sis_service, service);
         if (service == SIS_LIST)
             show_recursion(list, end - 2, commands);
         else

@@ -13,6 +13,7 @@
 #include "sis/learn.h"
 #include "sis/segments.h"
 #include "sis/timing.h"
+#include "sis/told.h"
 
 dissector_handle_t sis_handle;
 
@@ -29,6 +30,7 @@ typedef struct {
     sis_telegram_t *telegram;
     sis_record_t *record; /* its relations, as found */
     wmem_strbuf_t *marks; /* for the end of the info column: faults */
+    sis_part_t *part;     /* for programs; NULL: none reads it */
 } dissection_t;
 
 /* A fault: an expert item, and a mark in the info column. */
@@ -36,6 +38,7 @@ static void
 mark(const dissection_t *d, proto_item *ti, expert_field *ei, const char *text)
 {
     expert_add_info(d->pinfo, ti, ei);
+    sis_tell_expert(d->pinfo, ei);
     wmem_strbuf_append_printf(d->marks, "  [%s]", text);
 }
 
@@ -54,6 +57,8 @@ dissect_checksum(const dissection_t *d)
     if (d->declared > 0 && tvb_bytes_exist(d->tvb, 0, d->declared)) {
         flags = PROTO_CHECKSUM_VERIFY;
         expected -= sis_sum(d->tvb, 0, d->declared);
+        if (!d->telegram->is_good)
+            sis_tell(d->pinfo, hf_sis_checksum_status, checksum == expected);
     }
     item = proto_tree_add_checksum(d->tree, d->tvb, 1, hf_sis_checksum, hf_sis_checksum_status, NULL,
                                    d->pinfo, expected, ENC_NA, flags);
@@ -78,9 +83,11 @@ dissect_lengths(const dissection_t *d)
         mark(d, ti, &ei_sis_length_differ, "lengths differ");
     } else if (there < d->declared) {
         expert_add_info(d->pinfo, ti, &ei_sis_length_short);
+        sis_tell_expert(d->pinfo, &ei_sis_length_short);
         wmem_strbuf_append_printf(d->marks, "  [cut: %u of %u bytes]", there, d->declared);
     } else if (there > d->declared) {
         expert_add_info(d->pinfo, ti, &ei_sis_length_long);
+        sis_tell_expert(d->pinfo, &ei_sis_length_long);
         wmem_strbuf_append_printf(d->marks, "  [%u byte%s too many]", there - d->declared,
                                   plurality(there - d->declared, "", "s"));
     }
@@ -106,6 +113,7 @@ dissect_control_ecodrive03(const dissection_t *d, proto_item *ti)
 {
     unsigned status = d->telegram->control >> 5;
     const char *text = val_to_str_const(status, sis_control_status_ecodrive03, "");
+    expert_field *ei = status == ECODRIVE03_ERROR ? &ei_sis_control_status_error : &ei_sis_control_status_set;
 
     if (status == 0)
         return;
@@ -113,9 +121,8 @@ dissect_control_ecodrive03(const dissection_t *d, proto_item *ti)
         mark(d, ti, &ei_sis_control_reserved_set, "reserved bits");
         return;
     }
-    expert_add_info_format(
-        d->pinfo, ti, status == ECODRIVE03_ERROR ? &ei_sis_control_status_error : &ei_sis_control_status_set,
-        "Status in the telegram control: %s", text);
+    expert_add_info_format(d->pinfo, ti, ei, "Status in the telegram control: %s", text);
+    sis_tell_expert(d->pinfo, ei);
     wmem_strbuf_append_printf(d->marks, "  [control status %u: %s]", status, text);
 }
 
@@ -254,12 +261,14 @@ show_command(const dissection_t *d, const sis_exchange_t *exchange)
     add_link(d->tree, hf_sis_next_command_in, d->tvb, exchange->next_command_in);
     if (exchange->first != NULL) {
         expert_add_info(d->pinfo, d->root, &ei_sis_command_repeat);
+        sis_tell(d->pinfo, hf_sis_repeat_of, exchange->first->command_in);
         wmem_strbuf_append(d->marks, "  [repeat]");
     }
     if (exchange->next_command_in != 0) {
         expert_add_info_format(d->pinfo, d->root, &ei_sis_command_unanswered,
                                "No reaction before the next command%s",
                                exchange->is_reaction_damaged ? "; a damaged telegram came between" : "");
+        sis_tell_expert(d->pinfo, &ei_sis_command_unanswered);
         wmem_strbuf_append(d->marks, "  [no reaction]");
     }
 }
@@ -294,9 +303,10 @@ show_reaction(const dissection_t *d)
     command = add_link(d->tree, hf_sis_command_in, d->tvb, exchange->command_in);
     add_link(d->tree, hf_sis_routed_from, d->tvb, sis_rare(record, 0)->routed_from);
     add_link(d->tree, hf_sis_answered_in, d->tvb, record->reaction_before);
-    if (record->reaction_before != 0)
+    if (record->reaction_before != 0) {
         expert_add_info(d->pinfo, d->root, &ei_sis_reaction_again);
-    else if (exchange->has_time && !exchange->is_measured)
+        sis_tell_expert(d->pinfo, &ei_sis_reaction_again);
+    } else if (exchange->has_time && !exchange->is_measured)
         proto_item_append_text(command, ", %s: the reaction time is not known",
                                exchange->reaction_time == 0 ? "in the same read"
                                                             : "whose end has a later time");
@@ -422,6 +432,8 @@ dissect_start(const dissection_t *d)
 {
     proto_item *ti = proto_tree_add_item(d->tree, hf_sis_start, d->tvb, 0, 1, ENC_NA);
 
+    if (d->part != NULL)
+        d->part->is_telegram = true;
     if (compat_get_uint8(d->tvb, 0) != SIS_START)
         mark(d, ti, &ei_sis_start_missing, "no start character");
 }
@@ -437,6 +449,8 @@ dissect_whole_telegram(dissection_t *d)
     const char *stations, *kind, *words;
 
     d->telegram = sis_telegram_read(d->tvb, d->pinfo);
+    if (d->part != NULL)
+        d->part->telegram = d->telegram;
     find_record(d);
     sis_set_addresses(d->pinfo, d->telegram->talker, d->telegram->listener);
     dissect_start(d);
@@ -472,6 +486,7 @@ dissect_stump(const dissection_t *d)
                     SIS_STATIC_LENGTH, wmem_strbuf_get_str(d->marks));
     add_bytes(d->tree, hf_sis_raw, d->tvb, 1, d->end);
     expert_add_info(d->pinfo, d->root, &ei_sis_length_short);
+    sis_tell_expert(d->pinfo, &ei_sis_length_short);
 }
 
 /* Neither a start character nor a valid length: addresses would be invented. */
@@ -483,6 +498,7 @@ dissect_no_telegram(const dissection_t *d)
     col_append_fstr(d->pinfo->cinfo, COL_INFO, "Not a telegram, %u byte%s", there, plurality(there, "", "s"));
     proto_item_append_text(d->root, ", not a telegram");
     expert_add_info(d->pinfo, d->root, &ei_sis_start_missing);
+    sis_tell_expert(d->pinfo, &ei_sis_start_missing);
     proto_tree_add_item(d->tree, hf_sis_raw, d->tvb, 0, tvb_captured_length(d->tvb), ENC_NA);
 }
 
@@ -503,7 +519,8 @@ sis_dissect_telegram(tvbuff_t *tvb, packet_info *pinfo, proto_tree *parent)
     dissection_t d = {.tvb = tvb,
                       .pinfo = pinfo,
                       .declared = sis_declared_length(tvb, 0),
-                      .marks = wmem_strbuf_new(pinfo->pool, "")};
+                      .marks = wmem_strbuf_new(pinfo->pool, ""),
+                      .part = sis_part_begin(pinfo)};
 
     sis_separate(pinfo);
     d.end = MIN(d.declared > 0 ? d.declared : there, tvb_captured_length(tvb));

@@ -28,6 +28,8 @@ typedef struct {
     bool has_reaction_time;
     sis_verdict_t trs_verdict;
     int64_t wait; /* TwM; negative: none */
+    int64_t tmas; /* limit of its master control word; 0: no verdict */
+    sis_verdict_t tmas_verdict;
 } sis_timing_t;
 
 /* An error code of an element of service 0x04. */
@@ -69,6 +71,8 @@ typedef struct {
     struct sis_record *found;   /* of the telegram whose exchange was searched for last; NULL: none */
     const sis_telegram_t *last; /* the last dissected telegram; NULL: none */
     unsigned telegrams;         /* dissected so far, and what stands in the place of one */
+    struct sis_part *parts; /* what they tell programs (told.c): the first, and the present one; NULL: none */
+    struct sis_part *part;
 } sis_packet_t;
 
 sis_packet_t *sis_packet(packet_info *pinfo);

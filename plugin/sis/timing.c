@@ -14,6 +14,7 @@
 #include "sis/address.h"
 #include "sis/bus.h"
 #include "sis/names.h"
+#include "sis/told.h"
 
 #define MS INT64_C(1000000) /* in ns */
 
@@ -286,6 +287,7 @@ show_twm(const timing_t *t)
     if (t->record->exchange->first != NULL && slave > 0 && wait < slave) {
         proto_item_append_text(item, ", while the slave may take %u ms (TrS)", (unsigned)(slave / MS));
         expert_add_info(t->pinfo, item, &ei_sis_twm_early);
+        sis_tell_expert(t->pinfo, &ei_sis_twm_early);
     }
 }
 
@@ -299,9 +301,12 @@ show_tmas(const timing_t *t)
     if (is_measured)
         add_time(t, hf_sis_tmas_cycle, cycle->ns, ms_text(t, cycle->ns));
     add_generated(t->tree, hf_sis_tmas_before_in, t->body->tvb, cycle->frame);
-    if (longest > 0)
-        show_verdict(t, &tmas, setting(t, SIS_TMAS), longest, sis_judge(cycle->span, longest),
-                     ": a slave stops a movement", is_measured ? "" : span_text(t, &cycle->span));
+    if (longest <= 0)
+        return;
+    t->timing->tmas = longest;
+    t->timing->tmas_verdict = sis_judge(cycle->span, longest);
+    show_verdict(t, &tmas, setting(t, SIS_TMAS), longest, t->timing->tmas_verdict,
+                 ": a slave stops a movement", is_measured ? "" : span_text(t, &cycle->span));
 }
 
 static bool

@@ -1,55 +1,82 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* A row for each packet (`tshark -q -z sis,rows,FIELD,FIELD...`): as `-T fields -E header=y -E
- * aggregator=/x1f` prints it, but only these fields are made, and nothing is put into words. A field that
- * nobody knows, or that is named again, is left out. */
+/* A row for each packet (`tshark -q -z sis,rows`), for programs: docs/rows.md describes it byte for byte. It
+ * comes from records and from what the dissectors tell (told.c): there is no tree. Only fields that are named
+ * (`-z sis,rows,FIELD,FIELD...`) need one, with them alone. A field that nobody knows, or that is named
+ * again, is left out. */
 #include "parts.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 
 #include <epan/epan_dissect.h>
 #include <epan/print.h>
 #include <epan/stat_tap_ui.h>
 #include <epan/tap.h>
-#include <epan/to_str.h>
 
-#include "sertap/record.h"
+#include "sis/access.h"
+#include "sis/told.h"
 
-#define NAME  "sis,rows"
-#define JOINT '\x1f' /* between several values of a field */
+#define NAME       "sis,rows"
+#define VERSION    "1"
+#define JOINT      '\x1f'    /* between several values of a field */
+#define MOST_KINDS 2048      /* then their numbers begin anew: nobody has to remember more ... */
+#define MOST_TEXT  (1 << 22) /* ... or if their texts are so long together */
 
-/* Appends the values that a field has in a packet. */
-typedef void (*say_t)(GString *text, packet_info *pinfo);
+/* What begins each entry. */
+typedef struct {
+    uint32_t length; /* of the entry */
+    uint16_t is_row; /* else a kind: what packets have alike, as text */
+    uint16_t kind;   /* its number, or that of the row */
+} head_t;
+
+/* A packet. So many telegrams follow, intervals, characters, and a text. Unknown times are NaN. */
+typedef struct {
+    head_t head;
+    int64_t seconds; /* since 1970 */
+    double relative; /* all others in s */
+    double uncertainty;
+    uint32_t nanoseconds;
+    uint32_t number;
+    uint16_t telegrams;
+    uint16_t intervals;
+    uint16_t characters;
+    uint16_t reserved;
+} row_t;
 
 typedef struct {
-    say_t say;     /* NULL: its values come from the tree */
-    GString *text; /* of the present packet */
+    double silence;
+    double reaction;
+    double pause;
+    double cycle;
+    double load; /* % */
+    uint32_t command_in;
+    uint32_t position; /* of the pause */
+} telegram_t;
+
+_Static_assert(sizeof(row_t) == 48 && sizeof(telegram_t) == 48, "as docs/rows.md describes them");
+
+typedef struct {
+    int field;
+    wmem_strbuf_t *values; /* of the present packet; NULL: none */
 } column_t;
 
 typedef struct {
-    GHashTable *columns; /* by field */
-    GPtrArray *row;      /* the same, in their order */
-    GString *line;       /* as it is printed, at once: each call of stdio takes a lock */
+    GHashTable *kinds; /* number by text */
+    size_t text;       /* bytes of these */
+    GArray *columns;   /* of fields of a tree */
+    GString *row;      /* as it is written, at once: each call of stdio takes a lock */
     epan_dissect_t *packet;
 } rows_t;
-
-static void
-free_column(void *data)
-{
-    column_t *column = data;
-
-    g_string_free(column->text, TRUE);
-    g_free(column);
-}
 
 static void
 free_rows(void *data)
 {
     rows_t *rows = data;
 
-    g_hash_table_destroy(rows->columns);
-    g_ptr_array_free(rows->row, TRUE);
-    g_string_free(rows->line, TRUE);
+    g_hash_table_destroy(rows->kinds);
+    g_array_free(rows->columns, TRUE);
+    g_string_free(rows->row, TRUE);
     g_free(rows);
 }
 
@@ -58,177 +85,327 @@ new_rows(void)
 {
     rows_t *rows = g_new0(rows_t, 1);
 
-    rows->columns = g_hash_table_new(NULL, NULL);
-    rows->row = g_ptr_array_new_with_free_func(free_column);
-    rows->line = g_string_new(NULL);
+    rows->kinds = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+    rows->columns = g_array_new(FALSE, TRUE, sizeof(column_t));
+    rows->row = g_string_new(NULL);
     return rows;
 }
 
-static void
-append_control(GString *text, char control)
+static double
+in_seconds(int64_t ns)
 {
-    static const char letters[] = {['\t'] = 't', ['\n'] = 'n', ['\r'] = 'r'};
-    size_t code = (unsigned char)control;
-
-    if (code < sizeof letters && letters[code] != '\0')
-        g_string_append_printf(text, "\\%c", letters[code]);
-    else
-        g_string_append_printf(text, "\\x%02zx", code);
+    return (double)ns / 1e9;
 }
 
+/* As often as characters have a flag. */
 static void
-append_joint(GString *text)
+say_flag(wmem_strbuf_t *kind, const char *name, const sertap_record_t *record, uint8_t flag)
 {
-    if (text->len > 0)
-        g_string_append_c(text, JOINT);
-}
-
-/* No text of a capture ends a value, a column or a row. */
-static void
-append_value(GString *text, const char *value)
-{
-    append_joint(text);
-    while (*value != '\0') {
-        const char *end = value;
-
-        while (*end != '\0' && !g_ascii_iscntrl(*end))
-            end++;
-        g_string_append_len(text, value, end - value);
-        if (*end != '\0')
-            append_control(text, *end++);
-        value = end;
+    if (!(record->flags & flag))
+        return;
+    for (unsigned i = 0; i < record->timed; i++) {
+        if (sertap_flags(record, i) & flag)
+            sis_say_number(kind, name, 1);
     }
 }
 
 static void
-say_number(GString *text, packet_info *pinfo)
+say_record(wmem_strbuf_t *kind, packet_info *pinfo, const sertap_record_t *record)
 {
-    g_string_append_printf(text, "%u", pinfo->num);
+    bool is_event = record->type == SERTAP_EVENT;
+
+    sis_say_number(kind, "sertap.type", record->type);
+    sis_say_number(kind, "sertap.line", record->line);
+    sis_say_number(kind, "sertap.baud", record->baud);
+    sis_say_text(kind, "sertap.format", sertap_format_text(pinfo->pool, record));
+    sis_say_number(kind, "sertap.framing", record->framing);
+    if (is_event)
+        sis_say_number(kind, "sertap.event", record->event);
+    if (sertap_is_loss(record))
+        sis_say_number(kind, "sertap.event.expert", 1);
+    if (is_event || (record->type != SERTAP_FRAME && record->type != SERTAP_BEFORE))
+        sis_say_text(kind, "sertap.text",
+                     (char *)tvb_get_string_enc(pinfo->pool, record->tvb, (int)record->data_offset,
+                                                (int)record->values, is_event ? ENC_UTF_8 : ENC_ASCII));
+    say_flag(kind, "sertap.same_read", record, SERTAP_SAME_READ);
+    say_flag(kind, "sertap.interval.unknown", record, SERTAP_INTERVAL_UNKNOWN);
+    say_flag(kind, "sertap.error.character", record, SERTAP_ERROR_CHARACTER);
+    say_flag(kind, "sertap.error.break", record, SERTAP_ERROR_BREAK);
+    say_flag(kind, "sertap.error.lost", record, SERTAP_ERROR_LOST);
+    say_flag(kind, "sertap.error.unlocated", record, SERTAP_ERROR_UNLOCATED);
 }
 
 static void
-say_time(GString *text, packet_info *pinfo, const nstime_t *elapsed)
+say_limit(wmem_strbuf_t *kind, packet_info *pinfo, const char *limit, const char *verdict, int64_t ns,
+          sis_verdict_t said)
 {
-    if (pinfo->presence_flags & PINFO_HAS_TS)
-        g_string_append(text, rel_time_to_secs_str(pinfo->pool, elapsed));
+    if (ns == 0)
+        return;
+    sis_say_text(kind, limit, sertap_decimal_text(pinfo->pool, ns, 1, 9, ""));
+    sis_say_number(kind, verdict, said);
 }
 
 static void
-say_epoch(GString *text, packet_info *pinfo)
+say_telegram(wmem_strbuf_t *kind, packet_info *pinfo, const sis_telegram_t *telegram)
 {
-    say_time(text, pinfo, &pinfo->abs_ts);
+    const sis_timing_t *timing = &telegram->timing;
+
+    if (telegram->is_good)
+        sis_say_number(kind, "sis.checksum.status", 1);
+    sis_say_number(kind, "sis.control.reaction", telegram->is_reaction);
+    if (pref_sis_edition == SIS_EDITION_IF02)
+        sis_say_number(kind, "sis.control.error", (telegram->control & SIS_CONTROL_ERROR) != 0);
+    else if (telegram->is_reaction)
+        sis_say_number(kind, "sis.control.status", telegram->control >> 5);
+    sis_say_number(kind, "sis.service", telegram->service);
+    sis_say_number(kind, "sis.talker", telegram->talker);
+    sis_say_number(kind, "sis.listener", telegram->listener);
+    say_limit(kind, pinfo, "sis.trs.limit", "sis.trs.verdict", timing->trs, timing->trs_verdict);
+    if (timing->longest.interval.at > 0)
+        say_limit(kind, pinfo, "sis.tza.limit", "sis.tza.verdict", timing->tza, timing->longest.verdict);
+    say_limit(kind, pinfo, "sis.tmas.limit", "sis.tmas.verdict", timing->tmas, timing->tmas_verdict);
 }
 
-static void
-say_relative(GString *text, packet_info *pinfo)
+/* A line for the packet and what belongs to no telegram, and one for each telegram. */
+static const char *
+kind_of(packet_info *pinfo, const sertap_record_t *record)
 {
-    say_time(text, pinfo, &pinfo->rel_ts);
-}
+    wmem_strbuf_t *kind = wmem_strbuf_new(pinfo->pool, "");
+    const char *interface = compat_interface_name(pinfo);
+    const sis_part_t *part;
 
-static void
-say_interface(GString *text, packet_info *pinfo)
-{
-    const char *name = compat_interface_name(pinfo);
-
-    if (name != NULL)
-        append_value(text, name);
-}
-
-static void
-say_characters(GString *text, packet_info *pinfo)
-{
-    const sertap_record_t *record = sertap_record(pinfo);
-
-    for (unsigned i = 0; record != NULL && i < record->timed; i++) {
-        append_joint(text);
-        g_string_append_printf(text, "0x%02x", compat_get_uint8(record->tvb, record->data_offset + i));
+    if (interface != NULL)
+        sis_say_text(kind, "frame.interface_name", interface);
+    if (record != NULL)
+        say_record(kind, pinfo, record);
+    for (part = sis_parts(pinfo); part != NULL; part = part->next) {
+        if (!part->is_telegram)
+            wmem_strbuf_append(kind, wmem_strbuf_get_str(part->said));
     }
+    for (part = sis_parts(pinfo); part != NULL; part = part->next) {
+        if (!part->is_telegram)
+            continue;
+        wmem_strbuf_append(kind, "\nsis.start=1\t");
+        if (part->telegram != NULL)
+            say_telegram(kind, pinfo, part->telegram);
+        wmem_strbuf_append(kind, wmem_strbuf_get_str(part->said));
+    }
+    return wmem_strbuf_get_str(kind);
 }
 
 static void
-say_intervals(GString *text, packet_info *pinfo)
+append(GString *row, const void *bytes, size_t length)
 {
-    const sertap_record_t *record = sertap_record(pinfo);
+    g_string_append_len(row, bytes, (gssize)length);
+}
 
-    for (unsigned i = 0; record != NULL && i < record->timed; i++) {
+/* The number of a kind; it is written if it is new. */
+static uint16_t
+kind_number(rows_t *rows, const char *kind)
+{
+    void *known;
+    head_t head = {.length = (uint32_t)(sizeof head + strlen(kind))};
+
+    if (g_hash_table_lookup_extended(rows->kinds, kind, NULL, &known))
+        return (uint16_t)GPOINTER_TO_UINT(known);
+    if (g_hash_table_size(rows->kinds) == MOST_KINDS || rows->text > MOST_TEXT) {
+        g_hash_table_remove_all(rows->kinds);
+        rows->text = 0;
+    }
+    rows->text += head.length;
+    head.kind = (uint16_t)g_hash_table_size(rows->kinds);
+    g_hash_table_insert(rows->kinds, g_strdup(kind), GUINT_TO_POINTER(head.kind));
+    append(rows->row, &head, sizeof head);
+    append(rows->row, kind, head.length - sizeof head);
+    return head.kind;
+}
+
+/* The longest pause inside a telegram; of one that cannot be told, the longest interval of its record. */
+static double
+pause_of(const sis_longest_t *longest, const sertap_record_t *alone)
+{
+    const sis_interval_t *interval = &longest->interval;
+
+    if (interval->at > 0 && (interval->is_exact || interval->is_saturated))
+        return in_seconds(interval->recorded);
+    if (interval->at > 0 && interval->span.most != SIS_ANY_TIME)
+        return in_seconds(interval->span.most);
+    return alone != NULL && alone->interval_max_at > 0 ? in_seconds(alone->interval_max) : NAN;
+}
+
+static uint32_t
+command_of(const sis_telegram_t *telegram)
+{
+    const sis_record_t *record = telegram->record;
+
+    if (record == NULL || !telegram->is_good || !telegram->is_reaction)
+        return 0;
+    return record->exchange != NULL ? record->exchange->command_in : sis_rare(record, 0)->damaged_in;
+}
+
+/* `alone`: the record, if it has no other telegram. */
+static telegram_t
+telegram_of(const sis_telegram_t *telegram, packet_info *pinfo, const sertap_record_t *alone)
+{
+    static const sis_timing_t none;
+    const sis_timing_t *timing = telegram != NULL ? &telegram->timing : &none;
+    sis_longest_t longest = timing->longest;
+    const sis_record_t *record = telegram != NULL && !telegram->is_before ? telegram->record : NULL;
+    const sis_cycle_t *cycle = record != NULL ? sis_rare(record, 0)->cycle : NULL;
+    telegram_t told = {NAN, NAN, NAN, NAN, NAN, 0, 0};
+
+    /* Without a limit nobody has looked for it yet. */
+    if (longest.interval.at == 0 && record != NULL && telegram->times.record != NULL)
+        longest = sis_longest(pinfo->pool, &telegram->times, timing->tza, (sis_from_t)pref_sis_tza_from);
+    told.pause = pause_of(&longest, alone);
+    told.position = longest.interval.at;
+    if (timing->has_silence)
+        told.silence = in_seconds(timing->silence);
+    if (timing->has_reaction_time)
+        told.reaction = in_seconds(record->exchange->reaction_time);
+    if (cycle != NULL && sis_is_measured(cycle->ns, &telegram->times))
+        told.cycle = in_seconds(cycle->ns);
+    if (record != NULL && record->load >= 0)
+        told.load = record->load;
+    if (telegram != NULL)
+        told.command_in = command_of(telegram);
+    return told;
+}
+
+static uint16_t
+append_telegrams(GString *row, packet_info *pinfo, const sertap_record_t *record)
+{
+    uint16_t count = 0;
+    const sis_part_t *part;
+
+    for (part = sis_parts(pinfo); part != NULL; part = part->next)
+        count += part->is_telegram;
+    for (part = sis_parts(pinfo); part != NULL; part = part->next) {
+        telegram_t told = telegram_of(part->telegram, pinfo, count == 1 ? record : NULL);
+
+        if (part->is_telegram)
+            append(row, &told, sizeof told);
+    }
+    return count;
+}
+
+static uint16_t
+append_intervals(GString *row, const sertap_record_t *record)
+{
+    uint16_t count = 0;
+
+    for (unsigned i = 0; i < record->timed; i++) {
+        double interval = in_seconds(sertap_interval(record, i));
+
         if (sertap_flags(record, i) & SERTAP_INTERVAL_UNKNOWN)
             continue;
-        append_joint(text);
-        g_string_append(text, sertap_decimal_text(pinfo->pool, sertap_interval(record, i), 1, 9, ""));
+        append(row, &interval, sizeof interval);
+        count++;
     }
+    return count;
 }
 
-/* Fields that need no tree. For the others of the packet and of its characters, Wireshark would make many
- * items. */
-static const struct {
-    const char *name;
-    say_t say;
-} plain[] = {
-    {"frame.number", say_number},          {"frame.time_epoch", say_epoch},
-    {"frame.time_relative", say_relative}, {"frame.interface_name", say_interface},
-    {"sertap.character", say_characters},  {"sertap.interval", say_intervals},
-};
-
-static say_t
-find_plain(const char *name)
+/* Each telegram but the first begins a column. */
+static void
+append_accesses(GString *row, packet_info *pinfo)
 {
-    for (unsigned i = 0; i < array_length(plain); i++) {
-        if (strcmp(plain[i].name, name) == 0)
-            return plain[i].say;
+    bool is_first = true;
+
+    for (const sis_part_t *part = sis_parts(pinfo); part != NULL; part = part->next) {
+        unsigned count = part->accesses != NULL ? wmem_array_get_count(part->accesses) : 0;
+
+        if (part->is_telegram && !is_first)
+            g_string_append_c(row, '\t');
+        is_first &= !part->is_telegram;
+        for (unsigned i = 0; i < count; i++) {
+            const sis_access_t **access = wmem_array_index(part->accesses, i);
+
+            g_string_append(row, sis_access_text(pinfo, *access));
+            g_string_append_c(row, JOINT);
+        }
     }
-    return NULL;
 }
 
 static void
-add_values(proto_node *node, void *data)
+take_values(proto_node *node, void *data)
 {
     rows_t *rows = data;
-    field_info *field = PNODE_FINFO(node);
-    column_t *column = NULL;
+    const field_info *field = PNODE_FINFO(node);
 
-    if (field != NULL)
-        column = g_hash_table_lookup(rows->columns, GINT_TO_POINTER(field->hfinfo->id));
-    if (column != NULL && column->say == NULL) {
-        char *value = get_node_field_value(field, rows->packet);
+    for (unsigned i = 0; field != NULL && i < rows->columns->len; i++) {
+        column_t *column = &g_array_index(rows->columns, column_t, i);
+        char *value;
 
+        if (column->field != field->hfinfo->id)
+            continue;
+        value = get_node_field_value(PNODE_FINFO(node), rows->packet);
+        if (column->values == NULL)
+            column->values = wmem_strbuf_new(rows->packet->pi.pool, "");
+        else
+            wmem_strbuf_append_c(column->values, JOINT);
         if (value != NULL) /* Wireshark has none for a text that stands for no bytes */
-            append_value(column->text, value);
+            sis_append_escaped(column->values, value);
         g_free(value);
     }
-    proto_tree_children_foreach(node, add_values, rows);
+    proto_tree_children_foreach(node, take_values, rows);
 }
 
-/* Writes the texts of all columns, and empties them. */
 static void
-write_row(rows_t *rows)
+append_columns(rows_t *rows)
 {
-    for (unsigned i = 0; i < rows->row->len; i++) {
-        GString *text = ((column_t *)g_ptr_array_index(rows->row, i))->text;
+    if (rows->columns->len > 0)
+        proto_tree_children_foreach(rows->packet->tree, take_values, rows);
+    for (unsigned i = 0; i < rows->columns->len; i++) {
+        column_t *column = &g_array_index(rows->columns, column_t, i);
 
-        if (i > 0)
-            g_string_append_c(rows->line, '\t');
-        g_string_append_len(rows->line, text->str, (gssize)text->len);
-        g_string_truncate(text, 0);
+        if (column->values != NULL)
+            g_string_append(rows->row, wmem_strbuf_get_str(column->values));
+        g_string_append_c(rows->row, '\t');
+        column->values = NULL;
     }
-    g_string_append_c(rows->line, '\n');
-    fwrite(rows->line->str, 1, rows->line->len, stdout);
-    g_string_truncate(rows->line, 0);
+}
+
+static row_t
+begin_row(packet_info *pinfo, const sertap_record_t *record)
+{
+    row_t row = {.number = pinfo->num, .uncertainty = NAN};
+
+    if (pinfo->presence_flags & PINFO_HAS_TS) {
+        row.seconds = pinfo->abs_ts.secs;
+        row.nanoseconds = (uint32_t)pinfo->abs_ts.nsecs;
+        row.relative = ((double)pinfo->rel_ts.secs * 1e9 + pinfo->rel_ts.nsecs) / 1e9;
+    }
+    if (record != NULL && record->uncertainty != SERTAP_UNCERTAINTY_UNKNOWN)
+        row.uncertainty = in_seconds(record->uncertainty);
+    return row;
 }
 
 static tap_packet_status
 packet(void *data, packet_info *pinfo, epan_dissect_t *edt, const void *tapped _U_, tap_flags_t flags _U_)
 {
     rows_t *rows = data;
+    const sertap_record_t *record = sertap_record(pinfo);
+    row_t row = begin_row(pinfo, record);
+    size_t begin;
 
     rows->packet = edt;
-    proto_tree_children_foreach(edt->tree, add_values, rows);
-    for (unsigned i = 0; i < rows->row->len; i++) {
-        column_t *column = g_ptr_array_index(rows->row, i);
-
-        if (column->say != NULL)
-            column->say(column->text, pinfo);
+    row.head.is_row = true;
+    row.head.kind = kind_number(rows, kind_of(pinfo, record));
+    begin = rows->row->len;
+    append(rows->row, &row, sizeof row);
+    row.telegrams = append_telegrams(rows->row, pinfo, record);
+    if (record != NULL && record->timed > 0) {
+        row.intervals = append_intervals(rows->row, record);
+        row.characters = (uint16_t)record->timed;
+        append(rows->row, tvb_get_ptr(record->tvb, (int)record->data_offset, (int)record->timed),
+               record->timed);
     }
-    write_row(rows);
+    append_columns(rows);
+    append_accesses(rows->row, pinfo);
+    row.head.length = (uint32_t)(rows->row->len - begin);
+    memcpy(rows->row->str + begin, &row, sizeof row);
+    fwrite(rows->row->str, 1, rows->row->len, stdout);
+    g_string_truncate(rows->row, 0);
     return TAP_PACKET_DONT_REDRAW;
 }
 
@@ -244,32 +421,36 @@ static void
 add_column(rows_t *rows, const char *name, GString *filter)
 {
     const header_field_info *field = proto_registrar_get_byname(name);
-    column_t *column;
 
-    if (field == NULL || g_hash_table_contains(rows->columns, GINT_TO_POINTER(field->id)))
+    if (field == NULL)
         return;
-    column = g_new(column_t, 1);
-    *column = (column_t){find_plain(name), g_string_new(name)};
-    g_ptr_array_add(rows->row, column);
-    g_hash_table_insert(rows->columns, GINT_TO_POINTER(field->id), column);
-    if (column->say != NULL)
-        return;
+    for (unsigned i = 0; i < rows->columns->len; i++) {
+        if (g_array_index(rows->columns, column_t, i).field == field->id)
+            return;
+    }
+    g_array_append_val(rows->columns, ((column_t){field->id, NULL}));
     if (filter->len == 0)
         g_string_printf(filter, "!%s", name);
     g_string_append_printf(filter, " || %s", name);
+    printf("\t%s", name);
 }
 
+/* Through the other tap nothing comes: it says that this reads what is told. */
 static void
 listen(rows_t *rows, char *const *names)
 {
     GString *filter = g_string_new(NULL);
     GString *error;
 
+    printf(NAME " " VERSION);
     for (; *names != NULL; names++)
         add_column(rows, *names, filter);
-    write_row(rows);
-    error = register_tap_listener("frame", rows, filter->len > 0 ? filter->str : NULL, TL_REQUIRES_PROTO_TREE,
-                                  NULL, packet, finish, free_rows);
+    printf("\n");
+    error = register_tap_listener("sis.told", rows->row, NULL, TL_REQUIRES_NOTHING, NULL, NULL, NULL, NULL);
+    if (error == NULL)
+        error = register_tap_listener("frame", rows, filter->len > 0 ? filter->str : NULL,
+                                      filter->len > 0 ? TL_REQUIRES_PROTO_TREE : TL_REQUIRES_NOTHING, NULL,
+                                      packet, finish, free_rows);
     g_string_free(filter, TRUE);
     if (error == NULL)
         return;

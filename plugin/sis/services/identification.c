@@ -5,6 +5,7 @@
 #include "protocol/limits.h"
 #include "protocol/services.h"
 #include "sis/station.h"
+#include "sis/told.h"
 
 #define VERSION_LENGTH 5 /* "nnVmm" */
 
@@ -14,6 +15,7 @@ take_identity(sis_body_t *body, int hf)
     bool is_too_long = sis_left(body) > SIS_MOST_CHARACTERS;
 
     sis_take_text(body, hf);
+    sis_tell_text(body->pinfo, hf, body->text);
     if (is_too_long)
         sis_mark(body, &ei_sis_body_note, "more than %u characters", SIS_MOST_CHARACTERS);
 }

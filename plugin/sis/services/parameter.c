@@ -11,6 +11,7 @@
 #include "sis/station.h"
 #include "sis/names.h"
 #include "sis/sequence.h"
+#include "sis/told.h"
 
 #define DATA_STATUS_UNDEFINED 0xFEF0 /* fig. 8-44 */
 #define NO_DRIVE              0
@@ -145,6 +146,7 @@ know_parameter(access_t *access, sis_ident_t ident)
     access->has_ident = true;
     access->ident = ident;
     access->ident_text = sis_ident_text(body->pinfo->pool, ident);
+    sis_tell_text(body->pinfo, hf_sis_parameter, access->ident_text);
     access->known = sis_station_known(body, ident, (uint8_t)access->device);
 }
 

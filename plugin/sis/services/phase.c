@@ -5,6 +5,7 @@
 
 #include "items.h"
 #include "sis/names.h"
+#include "sis/told.h"
 
 #define HIGHEST_PHASE   4
 #define OPERATING_PHASE 4
@@ -16,6 +17,7 @@ take_phase(sis_body_t *body, uint32_t *phase)
 
     if (!sis_take(body, hf_sis_phase, 1, phase))
         return false;
+    sis_tell(body->pinfo, hf_sis_phase, *phase);
     mode = try_val_to_str(*phase, sis_phases);
     if (mode != NULL)
         proto_item_append_text(body->item, " (%s)", mode);

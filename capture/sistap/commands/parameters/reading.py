@@ -48,7 +48,7 @@ def _of_capture(tshark: Tshark, joined: Joined, say: Callable[[str], None]) -> I
             columns = rows.columns(_COLUMNS, line)
             capture, number = joined.place(int(columns["frame.number"]))
             place = AccessPlace(visible(capture.name), number, float(columns["frame.time_epoch"] or 0))
-            for access in accesses(columns):
+            for access in accesses(columns.get("frame.interface_name", ""), columns.get(FIELD, "")):
                 yield FoundAccess(place, access)
     except TsharkError as error:
         if FIELD in str(error):

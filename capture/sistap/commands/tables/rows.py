@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from sistap.dissected.accesses.access import Access
 from sistap.dissected.episodes.episode import Episode
 from sistap.dissected.episodes.masters import station_of
-from sistap.dissected.packets.dissection import EXCEEDED, OK, UNRESOLVED, Judged, Packet, Telegram
+from sistap.dissected.packets.dissection import CHARACTERS, EXCEEDED, OK, UNRESOLVED, Judged, Packet, Telegram
 from sistap.dissected.wireshark.rows import EVENT, JOINT, OTHER
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import Event
@@ -17,7 +17,7 @@ from sistap.tap.sis.telegram import service_name
 from sistap.tap.terminal.exits import FAILED, Refusal
 
 # Fields besides those of a Packet.
-FIELDS = ("sis.value", "sis.value.number", "sis.error", "sertap.character")
+FIELDS = ("sis.value", "sis.value.number", "sis.error", CHARACTERS)
 _VERDICTS = {OK: "ok", EXCEEDED: "exceeded", UNRESOLVED: "unresolved", None: None}
 _NO_TIME = Judged(0.0, None, None)
 _LARGEST = 1 << 63
@@ -93,12 +93,9 @@ def of_episode(episode: Episode, file: str, packet: int | None) -> Row:
 
 
 def _epoch_ns(packet: Packet) -> int:
-    """Return the time exactly: a float has no room for nanoseconds."""
-    seconds, _, decimals = packet.columns["frame.time_epoch"].partition(".")
-    time_ns = int(f"{seconds}{decimals:0<9.9}")
-    if not -_LARGEST <= time_ns < _LARGEST:
+    if not -_LARGEST <= packet.epoch_ns < _LARGEST:
         raise Refusal(f"packet {packet.number} has a time that no table holds: correct it with editcap -t", FAILED)
-    return time_ns
+    return packet.epoch_ns
 
 
 def _event(code: int | None) -> dict[str, str | None]:
@@ -149,7 +146,7 @@ def _own(packet: Packet, telegram: Telegram, epoch_ns: int) -> dict[str, Any]:
         "tmas_limit_s": cycle.limit_s,
         "tmas_verdict": _VERDICTS.get(cycle.verdict),
         "uncertainty_s": packet.uncertainty_s,
-        "raw": _characters(packet) if len(packet.telegrams) < 2 else None,  # noqa: PLR2004 - telegrams
+        "raw": packet.characters or None if len(packet.telegrams) < 2 else None,  # noqa: PLR2004 - telegrams
     }
 
 
@@ -170,12 +167,6 @@ def _value(access: Access, epoch_ns: int, packet: int) -> dict[str, Any]:
         "number": None if access.number is None else float(access.number),
         "error": access.error or None,
     }
-
-
-def _characters(packet: Packet) -> bytes | None:
-    """Return the characters of a record."""
-    text = packet.columns.get("sertap.character")
-    return bytes.fromhex(text.replace(JOINT, "").replace("0x", "")) if text else None
 
 
 def _one(text: str | None) -> str | None:

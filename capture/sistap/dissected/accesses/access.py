@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -62,12 +61,10 @@ class Access(NamedTuple):
         return "ASCII" if self.master is None else str(self.master)
 
 
-def accesses(columns: Mapping[str, str]) -> list[Access]:
-    """Return the accesses in the row of a packet. A list of services, or TCP, may have several."""
-    text = columns.get(FIELD, "")
+def accesses(port: str, text: str) -> list[Access]:
+    """Return the accesses that a packet tells. A list of services, or TCP, may have several."""
     if not text:
         return []
-    port = columns.get("frame.interface_name", "")
     if JOINT not in text:
         access = _known(port, text) if len(text) < _LONG else _access(port, text)
         return [] if access is None else [access]

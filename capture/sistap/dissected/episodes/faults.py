@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from sistap.dissected.accesses.access import Access, Parameter, accesses
+from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.accesses.listing import MOST
 from sistap.dissected.episodes.episode import Hit
 from sistap.dissected.episodes.masters import station_of
@@ -184,9 +184,7 @@ class Refusals:
         """Return the refusals of a packet."""
         if len(packet.telegrams) == 1:
             return self._of(packet, packet.telegrams[0], packet.accesses)
-        port = {"frame.interface_name": packet.interface}
-        each = ((telegram, accesses({**telegram.columns, **port})) for telegram in packet.telegrams)
-        return [hit for telegram, said in each for hit in self._of(packet, telegram, said)]
+        return [hit for telegram in packet.telegrams for hit in self._of(packet, telegram, telegram.accesses)]
 
     def _of(self, packet: Packet, telegram: Telegram, said: Iterable[Access]) -> list[Hit]:
         hits: list[Hit] = []

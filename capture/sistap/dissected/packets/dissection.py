@@ -5,13 +5,15 @@ from __future__ import annotations
 
 import itertools
 import math
+import struct
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
+from math import isnan
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from sistap.dissected.accesses.access import FIELD as ACCESSES
 from sistap.dissected.accesses.access import Access, accesses
@@ -19,7 +21,7 @@ from sistap.dissected.captures.portions import Portion
 from sistap.dissected.packets.apart import PACKED, apart, beside
 from sistap.dissected.packets.kept import Kept, Span
 from sistap.dissected.wireshark import rows
-from sistap.dissected.wireshark.rows import BEFORE, EVENT, JOINT, NECESSARY, NO_DISSECTOR, first, told
+from sistap.dissected.wireshark.rows import BEFORE, EVENT, JOINT, NECESSARY, NO_DISSECTOR, first, printed, safe, told
 from sistap.dissected.wireshark.trouble import damage
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.line.settings import Flag
@@ -101,7 +103,13 @@ _OWN = (
     ACCESSES,
 )
 _ACCESSES = _OWN.index(ACCESSES)
+# What the plugin's tap writes for a packet, and for each of its telegrams; a time that is not known is no number.
+_ROW = struct.Struct("=8xqddIIHHH2x")
+_TIMES = struct.Struct("=dddddII")
+_OwnTimes = tuple[float, float, float, float, float, int | None, int | None]
+_S = 1_000_000_000  # in ns
 _REMEMBERED = 2048  # of the texts of all others; each takes some 5 kB
+CHARACTERS = "sertap.character"
 _BEGINNING = {Event.CAPTURE_STARTED, Event.LIMITS_TOLD}
 _GOOD = {"1", "Good"}
 _TRUE = {"1", "True"}
@@ -160,6 +168,7 @@ class Telegram:
     pause_position: int | None  # of the character after it, from 1
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
     faults: Sequence[Fault] = ()  # its own; where it is alone in its packet, those of the packet
+    accesses: Sequence[Access] = ()  # its own
     signs: Sequence[str] = ()  # kinds of episodes that an expert item alone tells
 
 
@@ -188,6 +197,8 @@ class Packet:
     accesses: list[Access] = field(default_factory=list)  # to parameters
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)  # as tshark printed them
     alike: object = field(default_factory=object, repr=False, compare=False)  # the same: what is not its own is equal
+    epoch_ns: int = 0  # as exact as the capture has it
+    characters: bytes = b""  # of a record; where `-T fields` prints them, only if they were asked for
     length_s: float = field(init=False)
     is_before: bool = False  # the time from which on the capture is told
     is_again: bool = False  # an event at the beginning of a file that continues another, which began with it, too
@@ -262,13 +273,13 @@ class Dissection:
         self._preferences = [word for name, value in preferences.items() for word in ("-o", f"{name}:{value}")]
         self._tshark = tshark
         self._captures = captures
-        self._fields = (*FIELDS, *more)
-        self._own = {*_OWN, *more}
+        self._more = more
+        self._fields = tuple(dict.fromkeys((*FIELDS, *more)))
         self._keeps = keeps
         self._since_s = since_s
         self._zero_s: float | None = None  # where the seconds begin, since 1970; None: not yet reached
         self._known: Collection[str] = self._fields
-        self._rows = _Rows((), ())
+        self._rows: _Rows = _Told(())
         self._parts: list[_CaptureInTurn] = []
         self.warning = ""  # what tshark said at the end of captures that are cut off
 
@@ -308,8 +319,8 @@ class Dissection:
     def _of_part(self, capture: Path, part: _CaptureInTurn) -> Iterator[Packet]:
         came = False
         try:
-            for line in self._lines(capture):
-                packet = self._rows.packet(line)
+            for row in self._read(capture):
+                packet = self._rows.packet(row)
                 if self._zero_s is None and packet.epoch_s >= self._since_s:
                     self._zero_s, part.later_s = packet.epoch_s, -packet.time_s
                 elif self._zero_s is not None and not came:
@@ -318,20 +329,28 @@ class Dissection:
                 part.place(packet)
                 packet.is_before = self._zero_s is None
                 if self._keeps and not packet.is_before:
-                    part.kept.put(packet.time_s, line)
+                    part.kept.put(packet.time_s, row)
                 yield packet
         except TsharkError as error:
             self.warning = "; ".join(filter(None, [self.warning, damage(capture, error, came)]))
 
-    def _lines(self, capture: Path) -> Iterator[str]:
-        """Return the rows of all packets of a capture, and prepare for their columns."""
+    def _read(self, capture: Path) -> Iterator[Any]:
+        """Return the rows of all packets of a capture, and prepare for them."""
         arguments = ["-r", str(capture), "-2", *self._preferences]
-        known, lines = told(self._tshark, arguments, sorted(self._fields, key=lambda name: name not in self._own))
+        more = [name for name in self._more if name != CHARACTERS]  # which a row of the tap has anyway
+        if found := told(self._tshark, arguments, [*more, NECESSARY, PACKED] if more else []):
+            self._prepare(_Told, found[0], [*FIELDS, CHARACTERS, *found[0]])
+            return found[1]
+        own = {*_OWN, *self._more}
+        known, lines = printed(self._tshark, arguments, sorted(self._fields, key=lambda name: name not in own))
         if NECESSARY not in known:
             raise TsharkError(NO_DISSECTOR)
-        if known != self._known:  # else it knows rows already
-            self._known, self._rows = known, _Rows(known, self._own)
+        self._prepare(partial(_Printed, own=own), known, known)
         return lines
+
+    def _prepare(self, reader: Callable[[Sequence[str]], _Rows], columns: Sequence[str], known: Sequence[str]) -> None:
+        if known != self._known:  # else it knows rows already
+            self._known, self._rows = known, reader(columns)
 
 
 def _of_traffic(packets: Iterable[Packet]) -> Iterator[Packet]:
@@ -426,24 +445,82 @@ class _Alike:
 
     columns: Mapping[str, str]
     make: Callable[..., Packet]  # of what is its own
+    parts: Sequence[Mapping[str, str]]  # of each telegram
     telegrams: Sequence[_AlikeTelegram]
     unknown: int  # intervals
 
     @classmethod
-    def of(cls, columns: Mapping[str, str]) -> _Alike:
-        """Work it out."""
-        parts = _parts(columns)
+    def of(cls, columns: Mapping[str, str], parts: Sequence[Mapping[str, str]]) -> _Alike:
+        """Work it out, with the columns of each telegram."""
         found = {fault: 1 for fault in _faults(columns)}
         if len(parts) > 1:
             counts = Counter(fault for part in (beside(columns), *parts) for fault in _faults(part))
             found = {fault: max(counts[fault], 1) for fault in found}
         faults = tuple(fault for fault, count in found.items() for _ in range(count))
         unknown = _how_often(columns.get("sertap.interval.unknown"))
-        return cls(columns, _making(columns, faults), [_AlikeTelegram.of(part) for part in parts], unknown)
+        return cls(columns, _making(columns, faults), parts, [_AlikeTelegram.of(part) for part in parts], unknown)
 
 
-class _Rows:
-    """Makes packets of the rows that tshark prints. Each row ends with the columns that are not its own."""
+class _Rows(Protocol):
+    """Makes packets of rows."""
+
+    def packet(self, row: Any) -> Packet:
+        """Return the packet of a row."""
+
+
+class _Told:
+    """Makes packets of the rows of the plugin's tap (plugin/docs/rows.md)."""
+
+    def __init__(self, more: Sequence[str]) -> None:
+        """Take rows that have these fields besides."""
+        self._places = {name: place for place, name in enumerate(more)}
+        self._alike = lru_cache(_REMEMBERED)(_alike_as_told)
+
+    def packet(self, row: tuple[str, bytes]) -> Packet:
+        """Return the packet of a row."""
+        alike, own = self._alike(row[0]), row[1]
+        seconds, time_s, uncertainty_s, nanoseconds, number, telegrams, intervals, count = _ROW.unpack_from(own)
+        begin = _ROW.size + telegrams * _TIMES.size
+        characters = begin + 8 * intervals
+        end = characters + count
+        said: list[list[Access]] = [[]] * telegrams
+        columns, parts = alike.columns, alike.parts
+        if len(own) > end:
+            texts = safe(own[end:].decode(errors="replace")).split("\t")
+            port = columns.get("frame.interface_name", "")
+            said = [accesses(port, text.rstrip(JOINT)) for text in texts[len(self._places) :]]
+            if self._places:
+                columns, parts = self._with_more(texts, alike)
+        places = range(_ROW.size, begin, _TIMES.size)
+        return _packet(
+            (
+                number,
+                seconds * _S + nanoseconds,
+                time_s,
+                None if isnan(uncertainty_s) else uncertainty_s,
+                list(_doubles(intervals).unpack_from(own, begin)),
+                own[characters:end],
+            ),
+            [
+                _telegram(_TIMES.unpack_from(own, place), part, one, known)
+                for place, part, one, known in zip(places, parts, said, alike.telegrams, strict=False)
+            ],
+            said,
+            columns,
+            alike,
+        )
+
+    def _with_more(self, texts: Sequence[str], alike: _Alike) -> tuple[Mapping[str, str], Sequence[Mapping[str, str]]]:
+        """Return the columns of a packet and of its telegrams, with the other fields that were asked for."""
+        columns = _Columns(self._places, texts, alike.columns)
+        if len(alike.parts) == 1:
+            return columns, [columns]
+        more = apart(dict(zip(self._places, texts, strict=False)), len(alike.parts))
+        return columns, [{**part, **said} for part, said in zip(alike.parts, more, strict=True)]
+
+
+class _Printed:
+    """Makes packets of the rows that `-T fields` prints. Each row ends with the columns that are not its own."""
 
     def __init__(self, names: Sequence[str], own: Collection[str]) -> None:
         """Take rows of these columns, of which these are own."""
@@ -462,41 +539,109 @@ class _Rows:
         for place in self._unknown:
             texts.insert(place, "")
         alike = self._alike(others)
-        return _packet(_Columns(self._places, texts, alike.columns), texts, alike)
+        return _printed_packet(_Columns(self._places, texts, alike.columns), texts, alike)
 
     def _work_out(self, text: str) -> _Alike:
-        return _Alike.of(dict(zip(self._others, text.split("\t"), strict=False)))
+        columns = dict(zip(self._others, text.split("\t"), strict=False))
+        return _Alike.of(columns, _parts(columns))
 
 
 def packet_of(columns: Mapping[str, str]) -> Packet:
-    """Return the packet of a row."""
-    return _packet(columns, _own(columns), _Alike.of(columns))
+    """Return the packet of a row that `-T fields` has printed."""
+    return _printed_packet(columns, _own(columns), _Alike.of(columns, _parts(columns)))
+
+
+@lru_cache(1024)
+def _doubles(count: int) -> struct.Struct:
+    return struct.Struct(f"={count}d")
+
+
+def _alike_as_told(text: str) -> _Alike:
+    """Return what a text of the tap says: a line of the packet, and one of each telegram."""
+    lines = [safe(line) for line in text.split("\n")]
+    columns = _named("".join(lines))
+    return _Alike.of(columns, [columns] if len(lines) == 2 else [_named(line) for line in lines[1:]])  # noqa: PLR2004
+
+
+def _named(line: str) -> dict[str, str]:
+    columns: dict[str, str] = {}
+    for name, _, value in (one.partition("=") for one in line.split("\t")[:-1]):
+        columns[name] = columns[name] + JOINT + value if name in columns else value
+    return columns
 
 
 def _own(columns: Mapping[str, str]) -> list[str]:
     return [columns.get(name, "") for name in _OWN]
 
 
-def _packet(columns: Mapping[str, str], own: list[str], alike: _Alike) -> Packet:
+def _printed_packet(columns: Mapping[str, str], own: list[str], alike: _Alike) -> Packet:
     """Return the packet of a row: its own texts, and what is known of such rows."""
     number, epoch, relative, uncertainty, text = own[:5]
+    seconds, _, decimals = epoch.partition(".")
     intervals_s = list(map(float, text.split(JOINT))) if text else []
+    port = columns.get("frame.interface_name", "")
+    each = [(own, columns)]
+    if len(alike.telegrams) != 1:
+        each = [(_own(part), part) for part in _parts(columns)]
+    telegrams = [
+        _telegram(_times(own), part, accesses(port, own[_ACCESSES]), known)
+        for (own, part), known in zip(each, alike.telegrams, strict=True)
+    ]
+    epoch_ns, time_s, uncertainty_s = (
+        int(f"{seconds}{decimals:0<9.9}"),
+        float(relative or 0),
+        _known_number(uncertainty),
+    )
+    characters = bytes.fromhex(columns.get(CHARACTERS, "").replace(JOINT, "").replace("0x", ""))
+    own_of = int(number), epoch_ns, time_s, uncertainty_s, intervals_s, characters
+    return _packet(own_of, telegrams, [accesses(port, own[_ACCESSES])], columns, alike)
+
+
+def _times(own: list[str]) -> _OwnTimes:
+    longest, command_in, silence, reaction, longest_judged, position, cycle, load = own[5:_ACCESSES]
+    # A dissector without a verdict on TzA still has the longest interval of a record.
+    return (
+        _time(silence),
+        _time(reaction),
+        _time(longest_judged or longest),
+        _time(cycle),
+        _time(load),
+        _known_integer(command_in),
+        _known_integer(position),
+    )
+
+
+def _time(text: str) -> float:
+    return _float(text) if text else math.nan
+
+
+def _packet(
+    own: tuple[int, int, float, float | None, list[float], bytes],
+    telegrams: list[Telegram],
+    said: list[list[Access]],
+    columns: Mapping[str, str],
+    alike: _Alike,
+) -> Packet:
+    """Return the packet of a row."""
+    number, epoch_ns, time_s, uncertainty_s, intervals_s, characters = own
     since_s = intervals_s.pop(0) if intervals_s and not alike.unknown else None
     if since_s == _LONGEST_S:
         since_s = None  # it may be longer, and began before this capture
     if alike.unknown > 1:
         intervals_s = []  # nobody knows which ones they are
     return alike.make(
-        int(number),
-        float(epoch or 0),
-        float(relative or 0),
-        _known_number(uncertainty),
+        number,
+        epoch_ns / _S,
+        time_s,
+        uncertainty_s,
         intervals_s,
         since_s,
-        _telegrams(columns, own, alike),
-        accesses(columns) if own[_ACCESSES] else [],
+        telegrams,
+        said[0] if len(said) == 1 else list(itertools.chain.from_iterable(said)),
         columns,
         alike,
+        epoch_ns,
+        characters,
     )
 
 
@@ -534,34 +679,25 @@ def _making(columns: Mapping[str, str], faults: Sequence[Fault]) -> Callable[...
     )
 
 
-def _telegrams(columns: Mapping[str, str], own: list[str], alike: _Alike) -> list[Telegram]:
-    """Return the telegrams of a packet: TCP may carry several."""
-    known = alike.telegrams
-    if len(known) == 1:
-        return [_telegram(columns, own, known[0])]
-    return [_telegram(part, _own(part), one) for part, one in zip(_parts(columns), known, strict=True)] if known else []
-
-
-def _telegram(columns: Mapping[str, str], own: list[str], alike: _AlikeTelegram) -> Telegram:
-    longest, command_in, silence, reaction, longest_judged, position, cycle, load = own[5:_ACCESSES]
-    # A dissector without a verdict on TzA still has the longest interval of a record.
-    pause = longest_judged or longest
-    # Most of these are empty: to ask before each call takes a third of the time.
+def _telegram(own: _OwnTimes, columns: Mapping[str, str], said: list[Access], alike: _AlikeTelegram) -> Telegram:
+    silence_s, reaction_s, pause_s, cycle_s, load, command_in, position = own
+    # Most of these are unknown: to ask before each call takes a third of the time.
     return alike.make(
-        _integer(command_in) if command_in else None,
-        _float(load) if load else None,
-        Judged(_float(silence), None, None) if silence else None,
-        _judged(reaction, *alike.trs) if reaction or alike.trs[1] is not None else None,
-        _judged(pause, *alike.tza) if pause or alike.tza[1] is not None else None,
-        _judged(cycle, *alike.tmas) if cycle or alike.tmas[1] is not None else None,
-        _known_integer(position),
+        command_in or None,
+        None if isnan(load) else load,
+        None if isnan(silence_s) else Judged(silence_s, None, None),
+        None if isnan(reaction_s) and alike.trs[1] is None else _judged(reaction_s, *alike.trs),
+        None if isnan(pause_s) and alike.tza[1] is None else _judged(pause_s, *alike.tza),
+        None if isnan(cycle_s) and alike.tmas[1] is None else _judged(cycle_s, *alike.tmas),
+        position or None,
         columns,
         alike.faults,
+        said,
     )
 
 
-def _judged(time: str, limit_s: float | None, verdict: int | None) -> Judged:
-    return Judged(_float(time) if time else 0.0, limit_s, verdict)
+def _judged(time_s: float, limit_s: float | None, verdict: int | None) -> Judged:
+    return Judged(0.0 if isnan(time_s) else time_s, limit_s, verdict)
 
 
 def _integer(text: str | None) -> int | None:

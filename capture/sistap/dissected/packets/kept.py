@@ -6,9 +6,10 @@ Dissecting the whole capture again would take as long as the first time.
 
 from __future__ import annotations
 
+import marshal
 import zlib
 from collections.abc import Collection, Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sistap.tap.common.temporary import Blobs
 
@@ -39,7 +40,7 @@ class Kept:
     def __init__(self) -> None:
         self._blobs = Blobs("what was read of the capture")
         self._held: list[_Held] = []  # one for each blob
-        self._rows: list[str] = []  # of the next blob, with their times
+        self._rows: list[Any] = []  # of the next blob, with their times
         self._times_s: list[float] = []
 
     def __enter__(self) -> Kept:
@@ -48,23 +49,23 @@ class Kept:
     def __exit__(self, *error: object) -> None:
         self._blobs.__exit__(*error)
 
-    def put(self, time_s: float, row: str) -> None:
-        """Keep the row of a packet. Refusal if there is no room."""
+    def put(self, time_s: float, row: Any) -> None:
+        """Keep the row of a packet, of strings and bytes. Refusal if there is no room."""
         self._rows.append(row)
         self._times_s.append(time_s)
         if len(self._rows) == _TOGETHER:
             self._write()
 
-    def rows(self, spans: Collection[Span]) -> Iterator[str]:
+    def rows(self, spans: Collection[Span]) -> Iterator[Any]:
         """Yield the rows of the packets that begin in these spans, and of some neighbours."""
         if self._rows:
             self._write()
         for place, held in enumerate(self._held):
             if held.may_have(spans):
-                yield from zlib.decompress(self._blobs.get(place)).decode().split("\n")
+                yield from marshal.loads(zlib.decompress(self._blobs.get(place)))
 
     def _write(self) -> None:
-        self._blobs.put(zlib.compress("\n".join(self._rows).encode(), _LEVEL))
+        self._blobs.put(zlib.compress(marshal.dumps(self._rows), _LEVEL))
         self._held.append(_Held(min(self._times_s), max(self._times_s)))
         for values in (self._rows, self._times_s):
             values.clear()

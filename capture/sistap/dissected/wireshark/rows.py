@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import itertools
 import re
+import struct
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from operator import eq, gt
@@ -22,7 +24,9 @@ INFO_FIELDS = ("_ws.col.Info", "_ws.col.info")
 FRAME, OTHER, EVENT, BEFORE = 0, 1, 2, 3  # sertap.type
 JOINT = "\x1f"  # between several values of a field; no text contains it
 
-_TAP = "sis,rows"  # plugin/sis/rows.c
+_TAP = "sis,rows"  # plugin/windows/rows.c
+_VERSION = "sis,rows 1"
+_HEAD = struct.Struct("=IHH")  # of each entry
 _NO_TAP = "Invalid -z argument"
 
 _ODD = re.compile(f"[^ -~\t{JOINT}]")  # may have to be escaped; rare
@@ -35,34 +39,61 @@ def printing(names: Iterable[str], joint: str = JOINT) -> list[str]:
     return ["-T", "fields", "-E", f"aggregator={joint}", *(word for name in names for word in ("-e", name))]
 
 
-def told(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> tuple[list[str], Iterator[str]]:
-    """Return those of the fields that the installed dissector knows, and a safe row of them for each packet.
+def told(
+    tshark: Tshark, arguments: Sequence[str], names: Sequence[str]
+) -> tuple[list[str], Iterator[tuple[str, bytes]]] | None:
+    """Return rows of the plugin's tap, and those of the fields besides that the plugin knows. None: there is no tap.
 
-    The plugin's tap makes these fields only and no words. sis.lua has none: there `-T fields` prints the same rows, and
-    takes longer. TsharkError, also after the last row.
+    Each row is what it has in common with others, as text, and the bytes of its own (plugin/docs/rows.md). TsharkError,
+    also after the last row.
     """
+    begun = b""
     try:
-        known, lines = _headed(tshark.lines([*arguments, "-q", "-z", ",".join((_TAP, *names))]))
+        pieces = tshark.pieces([*arguments, "-q", "-z", ",".join((_TAP, *names))])
+        while b"\n" not in begun:
+            begun += next(pieces)
+    except StopIteration:
+        return None
     except TsharkError as error:
         if _NO_TAP not in str(error):
             raise
-        known, lines = _printed(tshark, arguments, names)
-        return known, map(safe, lines)
-    return known, (line if line.isascii() else safe(line) for line in lines)  # the tap escapes what ASCII has
+        return None
+    head, _, rest = begun.partition(b"\n")
+    version, *known = head.decode().split("\t")
+    return (known, _entries(itertools.chain([rest], pieces))) if version == _VERSION else None
 
 
-def _printed(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> tuple[list[str], Iterator[str]]:
+def _entries(pieces: Iterable[bytes]) -> Iterator[tuple[str, bytes]]:
+    kinds: dict[int, str] = {}
+    data = b""
+    for piece in pieces:
+        data += piece
+        at = 0
+        while len(data) - at >= _HEAD.size:
+            length, is_row, kind = _HEAD.unpack_from(data, at)
+            if at + length > len(data):
+                break
+            if is_row:
+                yield kinds[kind], data[at : at + length]
+            else:
+                kinds[kind] = data[at + _HEAD.size : at + length].decode(errors="replace")
+            at += length
+        data = data[at:]
+
+
+def printed(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> tuple[list[str], Iterator[str]]:
+    """Return those of the fields that the installed dissector knows, and a safe row of them for each packet.
+
+    sis.lua has no tap: there `-T fields` prints rows, and takes longer. TsharkError, also after the last row.
+    """
     try:
-        return _headed(tshark.lines([*arguments, *printing(names), "-E", "header=y"]))
+        lines = tshark.lines([*arguments, *printing(names), "-E", "header=y"])
+        return next(lines, "").split("\t"), map(safe, lines)
     except TsharkError as error:
         known = [name for name in names if name not in unknown_fields(str(error))]
         if len(known) == len(names):
             raise
-    return _printed(tshark, arguments, known)
-
-
-def _headed(lines: Iterator[str]) -> tuple[list[str], Iterator[str]]:
-    return next(lines, "").split("\t"), lines
+    return printed(tshark, arguments, known)
 
 
 def columns(names: Sequence[str], line: str) -> dict[str, str]:

@@ -17,8 +17,9 @@ import stat
 import subprocess
 import sys
 import weakref
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, NamedTuple
@@ -259,13 +260,20 @@ class Tshark:
 
         Closing the generator ends tshark.
         """
+        yield from (line.rstrip("\n") for line in self._printed(arguments, iter, encoding="utf-8", errors="replace"))
+
+    def pieces(self, arguments: Sequence[str]) -> Generator[bytes, None, None]:
+        """Yield its stdout as it comes, in the same way."""
+        yield from self._printed(arguments, lambda stdout: iter(partial(stdout.read1, _PIECE), b""))
+
+    def _printed(
+        self, arguments: Sequence[str], read: Callable[[Any], Iterator[Any]], **settings: Any
+    ) -> Generator[Any, None, None]:
         with self._command(arguments) as command, Complaints() as complaints:
-            settings = self._settings(arguments) | {"stdout": subprocess.PIPE, "stderr": complaints.stream}
-            with self._running(command, encoding="utf-8", errors="replace", **settings) as process:
+            settings |= self._settings(arguments) | {"stdout": subprocess.PIPE, "stderr": complaints.stream}
+            with self._running(command, **settings) as process:
                 complaints.stream.close()
-                assert process.stdout is not None
-                for line in process.stdout:
-                    yield line.rstrip("\n")
+                yield from read(process.stdout)
             if process.returncode != 0:
                 raise TsharkError(
                     complaints.text() or f"{Path(self._path).name} ended with exit code {process.returncode}"

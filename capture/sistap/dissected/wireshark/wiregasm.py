@@ -96,6 +96,10 @@ class Tshark:
         if rows.isCut:
             raise TsharkError(_CUT.format(asked.file))
 
+    def pieces(self, arguments: Sequence[str]) -> Generator[bytes, None, None]:
+        """Fail as tshark does without the plugin: sis.lua has no tap for rows."""
+        yield from (line.encode() for line in self.lines(arguments))
+
     def run(
         self,
         arguments: Sequence[str],
