@@ -61,7 +61,7 @@ ROUNDED = {
 def test_milliseconds_are_rounded(tshark: Tshark, tmp_path: Path) -> None:
     intervals = list(ROUNDED)
     data, flags = bytes(len(intervals)), bytes(len(intervals))
-    made = Record(0, Type.OTHER, 0, LineSettings(), data, intervals, flags, 310_500)
+    made = Record(0, Type.OTHER, 0, LineSettings(115_200), data, intervals, flags, 310_500)  # none is its usual one
     capture = tmp_path / "rounded.pcapng"
     capture.write_bytes(
         pcapng.section_header("", "")
