@@ -18,7 +18,8 @@ from sistap.tap.terminal.console import Console, end_standard_output, is_reader_
 from sistap.tap.terminal.exits import DONE, FAILED, USAGE, Refusal
 from sistap.tap.terminal.stop import Stop, Stopped
 
-# The module of each command, imported only when it is called, and its line in the list of commands.
+# The module of each command, imported only when it is called, and its line in the list of commands. It has the options,
+# and `run`; or it names a module with `run` as its RUN, which is imported only when the options are right.
 COMMANDS = {
     "ports": ("sistap.tap.ports", "list the serial ports of this computer"),
     "capture": ("sistap.tap.capture.command", "record a bus into a pcapng file, or show it as text"),
@@ -164,7 +165,7 @@ def parser(called: Container[str] = COMMANDS, listed: Iterable[str] = COMMANDS) 
             command.description, command.epilog = module.DESCRIPTION, examples(getattr(module, "EPILOG", ""))
             if hasattr(module, "add_arguments"):
                 module.add_arguments(command)
-            command.set_defaults(run=module.run, whole_parser=parser)
+            command.set_defaults(run=getattr(module, "RUN", module_name), whole_parser=parser)
     return whole
 
 
@@ -177,9 +178,10 @@ def _run(arguments: Sequence[str], stop: Stop) -> int:
         Console().say(f"there is no command '{visible(called)}': did you mean `sistap {close[0]}`?")
         return USAGE
     args = parser({called}, [called] if arguments[0] in COMMANDS else COMMANDS).parse_args(arguments)
+    run = importlib.import_module(args.run).run
     with stop:
         try:
-            code: int = args.run(args)
+            code: int = run(args)
         except Refusal as refusal:
             code = _refused(refusal)
         sys.stdout.flush()  # while a signal can still interrupt waiting for a slow reader

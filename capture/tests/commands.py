@@ -24,7 +24,7 @@ if sys.platform != "win32":
         [
             "sistap.cli",
             "sistap.commands.report.command",
-            "sistap.commands.report.page",
+            "sistap.commands.report.running",
             "sistap.commands.annotate.annotating",
             "sistap.commands.annotate.log",
         ]

@@ -30,9 +30,10 @@ from report_capture import (
 from sharkd import Sharkd
 
 from sistap.commands.report import page, plain, tables
+from sistap.commands.report.command import stretch
 from sistap.commands.report.figures import Figures
 from sistap.commands.report.gather import Report, gather
-from sistap.commands.report.windows import PACKETS_KEPT, ReportWindow, parse
+from sistap.commands.report.windows import PACKETS_KEPT, ReportWindow, asked
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import FIELDS, UNRESOLVED, Dissection, Packet, packet_of
@@ -55,8 +56,8 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(tmp_path_factory.mktemp("report") / "bus.pcapng", BUS)
 
 
-def made(tshark: Tshark, capture: Path, *asked: str) -> Report:
-    return gather(tshark, [Portion(capture)], [parse(text) for text in asked], lambda text: None)
+def made(tshark: Tshark, capture: Path, *windows: str) -> Report:
+    return gather(tshark, [Portion(capture)], [asked(*stretch(text)) for text in windows], lambda text: None)
 
 
 @pytest.fixture(scope="module")
@@ -605,11 +606,11 @@ def test_the_first_of_equal_times_is_the_longest() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "5", "5+", "+1", "5+0", "5+-1", "-1+2", "nan+1", "1+inf", "1e308+1e308", "0+1e308", "a+b"]
+    "text", ["", "5", "5+", "+1", "5+0", "5+-1", "-1+2", "nan+1", "1+inf", "1e308+1e308", "1e10+1", "1+1e10", "a+b"]
 )
 def test_what_is_no_window(text: str) -> None:
     with pytest.raises(ValueError, match="12.5\\+0.2"):
-        parse(text)
+        stretch(text)
 
 
 def test_what_no_limit_judges_is_not_said_to_be_good(tshark: Tshark, tmp_path: Path) -> None:

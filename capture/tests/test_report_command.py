@@ -17,7 +17,7 @@ from portable import NO_TSHARK, SIGNALS, WINDOWS, fifos, posix
 from report_capture import BUS, write
 
 from sistap import cli
-from sistap.commands.report import command
+from sistap.commands.report import running
 
 TOLD = Path(__file__).parents[2] / "test-captures" / "timing-told.pcapng"
 
@@ -232,7 +232,7 @@ def test_a_signal_ends_it_and_no_file_stays(
         signal.raise_signal(number)
         pytest.fail("the signal did not end it")
 
-    monkeypatch.setattr(command, "gather", reading)
+    monkeypatch.setattr(running, "gather", reading)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))  # where root has a copy of the capture
     assert cli.main(["report", str(capture), "-o", str(tmp_path / "x.txt")]) == 0
     assert list(tmp_path.iterdir()) == []

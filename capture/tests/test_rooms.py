@@ -165,8 +165,12 @@ def test_the_tap_is_small_and_stands_alone() -> None:
     assert lines < MOST_LINES
 
 
+@pytest.mark.parametrize("command", ["capture", "report"])
+def test_help_loads_little(command: str) -> None:
+    assert len(loaded(command, "--help")) <= MOST_MODULES
+
+
 def test_a_capture_loads_the_tap_alone(tmp_path: Path) -> None:
-    assert len(loaded("capture", "--help")) <= MOST_MODULES
     names = [name.split(".")[1:] for name in loaded("capture", "-i", str(tmp_path), "-w", "x")]
     assert {room_in(name) for name in names if name and name != ["tap"]} == {*TAP, "cli"}
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -16,7 +15,6 @@ from sistap.dissected.wireshark.rows import FRAME, OTHER
 WORST_SHOWN = 3  # windows around what is worst
 PACKETS_KEPT = 1000  # in a window: more would be a grey bar and a page of many megabytes
 _LEAST_MARGIN_S = 0.03  # so that what came before and after is seen, also at 9600 Bd
-_LATEST_S = 1e10  # more than 64 bits of ns can say, so no capture is as long
 _LONGEST_PACKET_S = 5.0  # a packet that reaches into a window can begin this much earlier
 
 
@@ -44,15 +42,8 @@ class ReportWindow:
         return self.start_s <= start_s and end_s <= self.end_s
 
 
-def parse(text: str) -> ReportWindow:
-    """Read START+SECONDS. ValueError says what is wrong."""
-    start, _, length = text.partition("+")
-    try:
-        start_s, length_s = float(start), float(length)
-    except ValueError:
-        start_s = length_s = math.nan
-    if not (0 <= start_s < _LATEST_S and 0 < length_s < _LATEST_S):
-        raise ValueError(f"'{text}' is not START+SECONDS, for example 12.5+0.2")
+def asked(start_s: float, length_s: float) -> ReportWindow:
+    """Return a window that was asked for."""
     return ReportWindow(f"Asked for: {length_s:g} s from {start_s:g} s", start_s, start_s + length_s)
 
 
