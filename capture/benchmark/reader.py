@@ -48,6 +48,7 @@ LINE_NUMBERS = {1: (0,), 2: (1, 2)}  # line numbers in a capture of that many li
 QUANTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "max": 1.0}
 GOAL_QUANTILES = ("p50", "p99")
 GOAL_RATIO = 1.5
+GOAL_SHARE = 0.18  # of a core at full speed, one character a read
 
 
 class Received(NamedTuple):
@@ -66,6 +67,8 @@ class Line(NamedTuple):
     uncertainties_ns: list[int]
     margins_ns: list[int]  # the delay that the record allows
     c_ns: list[int]
+    reads: int  # of sistap
+    c_reads: int
 
 
 class Measured(NamedTuple):
@@ -151,8 +154,10 @@ def measure(folder: Path, written: bytes, numbers: tuple[int, ...]) -> Measured:
         received = from_sistap(folder / "sistap.tap.files.pcapng", number)
         instants_ns, c_instants_ns = played.instants_ns[2 * i : 2 * i + 2]
         late_ns = errors_ns("sistap", written, received, instants_ns)
-        c_late_ns = errors_ns("the C reader", written, from_c_reader(folder / "c", i), c_instants_ns)
-        lines.append(Line(late_ns, received.uncertainties_ns, margins_ns(received), c_late_ns))
+        c_received = from_c_reader(folder / "c", i)
+        c_late_ns = errors_ns("the C reader", written, c_received, c_instants_ns)
+        reads = received.same_read.count(False), len(set(c_received.times_ns))
+        lines.append(Line(late_ns, received.uncertainties_ns, margins_ns(received), c_late_ns, *reads))
     return Measured(played.elapsed_s, timing, lines, *played.shares)
 
 
@@ -167,7 +172,16 @@ def report(measured: Measured) -> None:
     print(f"sistap: {measured.timing}")
     for line in measured.lines:
         report_line(line, measured.elapsed_s)
-    print(f"\n{'share of core':<14}{measured.sistap_share:>10.1%}{measured.c_share:>10.1%}")
+    ours, theirs = sum(line.reads for line in measured.lines), sum(line.c_reads for line in measured.lines)
+    full = 1e9 / SETTINGS.character_ns * len(measured.lines)  # reads a second, if each character comes alone
+    shares = measured.sistap_share, measured.c_share
+    a_read_us = [share * measured.elapsed_s * 1e6 / reads for share, reads in zip(shares, (ours, theirs), strict=True)]
+    print(f"\n{'reads':<14}{ours:>10}{theirs:>10}")
+    print(f"{'share of core':<14}{shares[0]:>10.1%}{shares[1]:>10.1%}")
+    print(f"{'us a read':<14}{a_read_us[0]:>10.1f}{a_read_us[1]:>10.1f}")
+    ours_full, theirs_full = (cost_us * full / 1e6 for cost_us in a_read_us)
+    goal = f"  goal {GOAL_SHARE:.0%} a line: {'met' if ours_full <= GOAL_SHARE * len(measured.lines) else 'NOT MET'}"
+    print(f"{'at full speed':<14}{ours_full:>10.1%}{theirs_full:>10.1%}{goal}")
 
 
 def report_line(line: Line, elapsed_s: float) -> None:

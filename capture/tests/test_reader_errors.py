@@ -58,6 +58,14 @@ class Line:
         return [list(read.flags) for read in self.reads]
 
 
+def test_a_driver_that_never_counts_is_asked_once() -> None:
+    asked: list[int] = []
+    errors = Errors(lambda: asked.append(1), drivers.driver(""))
+    read = Read(0, 0, b"@", bytes(1), UNCERTAINTY)
+    assert errors.take(read, slept=True) == [read]
+    assert len(asked) == 1
+
+
 def test_a_break_that_was_counted_a_read_too_early() -> None:
     line = Line()
     line.read([0, 0], breaks=1)

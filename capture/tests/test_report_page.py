@@ -18,7 +18,7 @@ from report_capture import ACCEPT, BUS, LINE, READ, SET_TZA, STARTED, Sent, writ
 from sistap.commands.report import plots, tables
 from sistap.commands.report.gather import Report, gather
 from sistap.commands.report.page import page
-from sistap.commands.report.windows import parse
+from sistap.commands.report.windows import asked
 from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.accesses.listing import AccessPlace, Listing
 from sistap.dissected.captures.portions import Portion
@@ -36,7 +36,7 @@ VOID = {"meta", "br"}
 def report(tmp_path_factory: pytest.TempPathFactory) -> Report:
     capture = write(tmp_path_factory.mktemp("page") / NAME, BUS)
     with Tshark() as tshark:
-        report = gather(tshark, [Portion(capture)], [parse("100+1")], lambda text: None)
+        report = gather(tshark, [Portion(capture)], [asked(100, 1)], lambda text: None)
     report.name = NAME
     return report
 
@@ -145,7 +145,7 @@ def test_every_pause_that_exceeds_tza_is_red(tmp_path: Path) -> None:
     in_one_read = Sent(READ, silence_ms=500, pauses_ms={3: 6.0, 9: 9.0}, flags={4: Flag.SAME_READ})
     capture = write(tmp_path / "two.pcapng", [Sent(SET_TZA), Sent(ACCEPT), two, in_one_read])
     with Tshark() as tshark:
-        report = gather(tshark, [Portion(capture)], [parse("0+0.3"), parse("0.4+1")], lambda text: None)
+        report = gather(tshark, [Portion(capture)], [asked(0, 0.3), asked(0.4, 1)], lambda text: None)
     widths = {number: [end - begin for begin, end in Drawn(report, number).red] for number in (4, 5)}
     assert widths[4] == pytest.approx([6.0, 9.0], abs=1e-3)
     assert widths[5] == pytest.approx([9.0], abs=1e-3)  # the other one the dissector does not name

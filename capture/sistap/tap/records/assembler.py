@@ -112,7 +112,8 @@ class Assembler:
             completed.append(event(read.time_ns, read.line, settings, Event.SETTINGS_CHANGED, text))
             line.why = None
         completed += line.framer.feed(read)
-        self.add(completed + self._beside(read), now_ns)
+        if completed or len(self._lines) > 1:
+            self.add(completed + self._beside(read), now_ns)
         return completed
 
     def _beside(self, read: Read) -> list[Record]:

@@ -177,14 +177,6 @@ class Computer:
             self._sent_ns = 0
         return []
 
-    def nothing_until(self, _time_ns: int, _slept_ns: int) -> list[Read]:
-        """Do nothing: no character came."""
-        return []
-
-    def held(self) -> list[Read]:
-        """Return nothing: no character is for others."""
-        return []
-
     def note(self, delay_ns: int) -> None:
         """Count a delay: of a character, or of a sleep that should have ended earlier."""
         self._count += 1

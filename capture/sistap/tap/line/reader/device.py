@@ -88,7 +88,7 @@ class PosixReader:
 
         The process had just slept so long. If it had not, the kernel may have had no time to pass on what had come.
         """
-        if slept_ns and not self._decoder.pending:
+        if not self._decoder.pending:
             self._emptied_ns = time_ns
         return self._errors.silent(slept_ns)
 
@@ -118,12 +118,13 @@ class PosixReader:
         # A worker of the kernel passes characters on. A busy process can keep the processor from it. So what comes at
         # once when this process sleeps may have come before. And if characters come without a sleep, the worker has had
         # the processor since the last read, but perhaps not until this one.
-        in_time = slept_ns >= self._machine_ns and not decoder.pending
+        machine_ns = self._machine_ns
+        in_time = slept_ns >= machine_ns and not decoder.pending
         if in_time:
             self._emptied_ns = asked_ns - slept_ns
         characters, flags = decoder.feed(data)
         uncertainty_ns = latency.uncertainty_ns(
-            self.uncertainty_ns, self.settings, len(characters), now - self._emptied_ns, in_time=in_time
+            self._bound.ns(machine_ns), self.settings, len(characters), now - self._emptied_ns, in_time=in_time
         )
         if not decoder.pending and len(data) < READ_SIZE:
             self._emptied_ns = asked_ns if slept_ns else self._asked_ns

@@ -140,8 +140,11 @@ class Errors:
         return self.silent(SILENCE_NS)
 
     def _moved(self) -> Counts:
-        before, now = self._counted, self._count()
-        if before is None or now is None:
+        before = self._counted
+        if before is None:  # this driver never counts
+            return _NOTHING
+        now = self._count()
+        if now is None or now == before:
             return _NOTHING
         self._counted = now
         return Counts(*(new - old for new, old in zip(now, before, strict=True)))

@@ -87,11 +87,11 @@ def uncertainty_ns(  # noqa: PLR0913 - everything known about a read
     The latency is no bound in three cases. They were there before the read began. That many characters take longer than
     the latency. Or the sleep exceeded `sleep_ns`, so the process was suspended. Then their arrival is unknown.
     """
-    character_ns = settings.character_ns
+    character_ns = settings.character_ns if count > 1 else 0
     if not in_time or (count - 1) * character_ns > latency_ns or unseen_ns > sleep_ns + latency_ns:
         return min(latency_ns + unseen_ns, UNCERTAINTY_UNKNOWN)
     # Several at once: the reader was woken late, and the last character waited for up to one more.
-    return min(latency_ns + (character_ns if count > 1 else 0), UNCERTAINTY_UNKNOWN)
+    return min(latency_ns + character_ns, UNCERTAINTY_UNKNOWN)
 
 
 def port_conditions(behind: Adapter, settings: LineSettings) -> measurement.Conditions:

@@ -44,15 +44,6 @@ class Polled(Protocol):
     def read_now(self, slept_ns: int) -> list[Read]:
         """Return what is there. The process slept until it came; 0: it was there before. May raise PortLost."""
 
-    def nothing_until(self, time_ns: int, slept_ns: int) -> list[Read]:
-        """Note that nothing was unread at this instant of the monotonic clock, just after a sleep of that length or 0.
-
-        Return what was held back until then.
-        """
-
-    def held(self) -> list[Read]:
-        """Stop holding characters back: return them."""
-
 
 class Beside(Polled, Protocol):
     """What is polled together with a port, and knows when the caller is about to sleep."""
@@ -67,6 +58,15 @@ class Beside(Polled, Protocol):
 @runtime_checkable
 class Pollable(Polled, Reader, Protocol):
     """A reader that a caller can poll."""
+
+    def nothing_until(self, time_ns: int, slept_ns: int) -> list[Read]:
+        """Note that nothing was unread at this instant of the monotonic clock, just after a sleep of that length.
+
+        Return what was held back until then.
+        """
+
+    def held(self) -> list[Read]:
+        """Stop holding characters back: return them."""
 
     @property
     def beside(self) -> Beside | None:
@@ -88,10 +88,10 @@ def together(readers: Sequence[Reader], *, may_change: bool = False) -> Iterator
     `may_change`: the result is a Several, to which a reader can be added in place of a lost one.
     """
     pollable = [reader for reader in readers if isinstance(reader, Pollable)]
-    if len(readers) == 1 and not may_change:
-        yield readers[0]
-    elif sys.platform != "win32" and len(pollable) == len(readers):
+    if sys.platform != "win32" and len(pollable) == len(readers):
         yield PolledReaders(pollable)
+    elif len(readers) == 1 and not may_change:
+        yield readers[0]
     else:
         threaded = ThreadedReaders(readers)
         try:
@@ -104,7 +104,8 @@ class PolledReaders:
     """Readers polled by one thread."""
 
     def __init__(self, readers: Sequence[Pollable]) -> None:
-        self._readers: dict[int, Polled] = {}
+        self._polled: dict[int, Polled] = {}  # the readers, and what is beside them
+        self._readers: dict[int, Pollable] = {}
         self._beside: set[Beside] = set()
         self._poll = select.poll()
         for reader in readers:
@@ -118,8 +119,9 @@ class PolledReaders:
         if reader.beside:
             self._beside.add(reader.beside)
         for polled in _both(reader):
-            self._readers[polled.fileno()] = polled
+            self._polled[polled.fileno()] = polled
             self._poll.register(polled.fileno(), _TO_READ)
+        self._readers[reader.fileno()] = reader
 
     def read(self, timeout_s: float) -> Read | None:
         """Return what arrived; None if nothing arrived, at most that long. May raise PortLost, once for each port."""
@@ -152,15 +154,16 @@ class PolledReaders:
             self._take(descriptor, slept_ns)
         for beside in self._beside if step_ms and not ready else ():
             beside.note(slept_ns - step_ms * 1_000_000)
-        silent_ns = asked_ns if ready else asked_ns + step_ms * 1_000_000  # poll looks once more when its time is up
-        for descriptor in self._readers.keys() - ready:
-            self._reads.extend(self._readers[descriptor].nothing_until(silent_ns, slept_ns or int(has_slept)))
-        if slept_ns and ready and len(self._readers) > 1:
-            self._look(0, has_slept=True)  # note until when the others were silent
+        if silent := self._readers.keys() - ready if slept_ns or has_slept else ():
+            silent_ns = asked_ns if ready else asked_ns + step_ms * 1_000_000  # poll looks once more when time is up
+            for descriptor in silent:
+                self._reads.extend(self._readers[descriptor].nothing_until(silent_ns, slept_ns or 1))
+            if slept_ns and ready:
+                self._look(0, has_slept=True)  # note until when the others were silent
         return bool(self._reads or self._lost)
 
     def _take(self, descriptor: int, slept_ns: int) -> None:
-        reader = self._readers[descriptor]
+        reader = self._polled[descriptor]
         try:
             self._reads.extend(reader.read_now(slept_ns))
         except PortLost as lost:
@@ -169,7 +172,8 @@ class PolledReaders:
                 self._beside.discard(reader.beside)
             for polled in _both(reader):
                 self._poll.unregister(polled.fileno())
-                del self._readers[polled.fileno()]
+                del self._polled[polled.fileno()]
+            del self._readers[descriptor]
             self._lost.append(lost)
 
 
