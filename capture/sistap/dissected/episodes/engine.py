@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import enum
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -32,11 +31,7 @@ from sistap.dissected.wireshark.rows import FRAME
 _REMEMBERED = 4096
 _DUPLEX = {1, 2}  # lines: the two directions of one bus, each at an interface of its own
 
-
-class _Sort(enum.Enum):
-    """What a packet is."""
-
-    COMMAND, REACTION, RARE = range(3)
+_Look = Callable[[Packet], Iterable[Hit]]  # returns what it tells by now
 
 
 class _Looker(Protocol):
@@ -77,30 +72,34 @@ class _Bus:
         )
         of_command = self.faults.command, self.silence.command, self.masters.add, self.rate.add
         of_reaction = self.faults.reaction, self.silence.reaction, self.paces.add, self.limits.add
-        self._adds: dict[_Sort, Sequence[Callable[[Packet], Iterable[Hit]]]] = {
-            _Sort.COMMAND: (tap.add, self.bus.add, *of_command),
-            _Sort.REACTION: (tap.add, self.bus.add, *of_reaction),
-            _Sort.RARE: [looker.add for looker in lookers],
-        }
-        self._sorts: dict[object, _Sort] = {}  # by what packets have in common
+        self._all: Sequence[_Look] = [looker.add for looker in lookers]
+        self._of_command: Sequence[_Look] = (tap.add, self.bus.add, *of_command)
+        self._of_reaction: Sequence[_Look] = (tap.add, self.bus.add, *of_reaction)
+        self._looks: dict[object, Sequence[_Look]] = {}  # by what packets have in common
         self.lasting: list[Hit] = []  # of states and levels that begin to last; asked for only while it happens
 
     def add(self, packet: Packet, *, is_live: bool = False) -> list[Hit]:
         self.begin_s = self.begin_s or packet.epoch_s
         self.end_s = packet.epoch_s
-        sort = self._sorts.get(packet.alike)
-        if sort is None:
-            if len(self._sorts) == _REMEMBERED:
-                self._sorts.clear()
-            sort = self._sorts[packet.alike] = _sort(packet)
-        if self.unreadable.is_begun:
-            sort = _Sort.RARE
+        looks = self._looks.get(packet.alike)
+        if looks is None:
+            if len(self._looks) == _REMEMBERED:
+                self._looks.clear()
+            looks = self._looks[packet.alike] = self._concerned(packet)
         hits: list[Hit] = []
-        for add in self._adds[sort]:
-            hits += add(packet)
+        for look in self._all if self.unreadable.is_begun else looks:
+            hits += look(packet)
         if packet.accesses:
             hits += self._read(packet, is_live=is_live)
         return hits
+
+    def _concerned(self, packet: Packet) -> Sequence[_Look]:
+        """Return what this packet and its like can concern."""
+        if _is_rare(packet):
+            return self._all
+        (telegram,) = packet.telegrams
+        usual = self._of_reaction if telegram.is_reaction else self._of_command
+        return (*usual, self.phases.add, self.boots.add) if telegram.phase else usual
 
     def _read(self, packet: Packet, *, is_live: bool) -> list[Hit]:
         """Take what parameters say."""
@@ -147,16 +146,14 @@ class _Bus:
             yield Hit("stopped", 0, from_s, to_s, port=self.name, outcome=outcome)
 
 
-def _sort(packet: Packet) -> _Sort:
-    """Tell what a packet is: nearly all are a good telegram that reads or writes something."""
+def _is_rare(packet: Packet) -> bool:
+    """Tell whether a packet is more than a good telegram that reads or writes something, as nearly all."""
     if packet.type != FRAME or len(packet.telegrams) != 1:
-        return _Sort.RARE
+        return True
     (telegram,) = packet.telegrams
     is_odd = not telegram.good or telegram.unanswered or telegram.is_refusal or telegram.is_repeat
     is_told = telegram.is_doubtful or telegram.has_system_error or telegram.signs or packet.errors or packet.faults
-    if is_odd or is_told or telegram.phase or telegram.service in STEPS:
-        return _Sort.RARE
-    return _Sort.REACTION if telegram.is_reaction else _Sort.COMMAND
+    return bool(is_odd or is_told or telegram.service in STEPS)
 
 
 class Engine:

@@ -107,9 +107,9 @@ class TapTroubles:
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return what a packet says of it."""
-        if packet.is_kept_apart:  # neither a gap nor a jump
-            self._ends_s = {}
         if packet.type == EVENT:
+            if packet.is_kept_apart:  # neither a gap nor a jump
+                self._ends_s = {}
             return self._event(packet, max(self._ends_s.values(), default=None))
         end_s = self._ends_s.get(packet.line)
         self._ends_s[packet.line] = packet.epoch_s + packet.length_s
