@@ -52,6 +52,12 @@ def plain(packet: Packet, is_asked: bool) -> Packet:
     return replace(packet, telegrams=telegrams, columns={}, characters=packet.characters if is_asked else b"")
 
 
+def assert_alike(found: Sequence[Packet], expected: Sequence[Packet], is_asked: bool = False) -> None:
+    assert len(found) == len(expected)
+    for one, other in zip(found, expected, strict=True):
+        assert plain(one, is_asked) == plain(other, is_asked)
+
+
 @pytest.mark.parametrize("more", [(), MORE], ids=["plain", "more"])
 def test_the_tap_tells_what_tshark_prints(tshark: Tshark, tmp_path: Path, more: Sequence[str]) -> None:
     """All captures, each a section of one."""
@@ -59,9 +65,17 @@ def test_the_tap_tells_what_tshark_prints(tshark: Tshark, tmp_path: Path, more: 
     every.write_bytes(b"".join(path.read_bytes() for path in sorted(CAPTURES.rglob("*.pcapng"))))
     expected = read(cast(Tshark, WithoutTap(tshark)), every, more)
     found = read(tshark, every, more)
-    assert len(found) == len(expected) > 4000
-    for one, other in zip(found, expected, strict=True):
-        assert plain(one, bool(more)) == plain(other, bool(more))
+    assert len(found) > 4000
+    assert_alike(found, expected, bool(more))
+
+
+@pytest.mark.attack("`-z sis,rows` of records that the capture has cut, at any place", "it says what `-T fields` says")
+@pytest.mark.parametrize("bytes_kept", [60, 72, 110])
+def test_cut_records(tshark: Tshark, tmp_path: Path, bytes_kept: int) -> None:
+    """They are dissected under Wireshark's eyes, but the tap runs without them."""
+    cut = tmp_path / "cut.pcapng"
+    subprocess.run(["editcap", "-s", str(bytes_kept), str(CAPTURES / "bodies.pcapng"), str(cut)], check=True)
+    assert_alike(read(tshark, cut), read(cast(Tshark, WithoutTap(tshark)), cut))
 
 
 class InPieces:
