@@ -24,6 +24,7 @@ JOINT = "\x1f"  # between several values of a field; no text contains it
 
 _TAP = "sis,rows"  # plugin/sis/rows.c
 _NO_TAP = "Invalid -z argument"
+_WANTED = "sis.fields"  # a preference of sis.lua: it makes these fields only
 
 _ODD = re.compile(f"[^ -~\t{JOINT}]")  # may have to be escaped; rare
 _USUAL = bytes(byte for byte in range(128) if not _ODD.match(chr(byte)))
@@ -46,7 +47,7 @@ def told(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> tupl
     except TsharkError as error:
         if _NO_TAP not in str(error):
             raise
-        known, lines = _printed(tshark, arguments, names)
+        known, lines = _printed(tshark, ["-o", f"{_WANTED}:{','.join(names)}", *arguments], names)
         return known, map(safe, lines)
     return known, (line if line.isascii() else safe(line) for line in lines)  # the tap escapes what ASCII has
 
@@ -55,6 +56,8 @@ def _printed(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> 
     try:
         return _headed(tshark.lines([*arguments, *printing(names), "-E", "header=y"]))
     except TsharkError as error:
+        if _WANTED in str(error):  # an older dissector
+            return _printed(tshark, arguments[2:], names)
         known = [name for name in names if name not in unknown_fields(str(error))]
         if len(known) == len(names):
             raise
