@@ -126,10 +126,57 @@ local function expert_field(abbreviation, group, severity, text)
   declare(abbreviation, "experts", made, E, ET, EX)
 end
 
+sis.prefs.fields = Pref.string("Fields to make", "",
+  "Those of sis and sertap that a program reads, with commas between them, so that it need not wait for the others; "
+    .. "empty: all")
+P.fields = ""
+
+-- Fields of sis and sertap that nobody reads, and protocols whose words nobody reads; whether somebody reads a field of
+-- a part of a telegram.
+local unwanted, has_wanted = {}, {}
+
+-- The part by the first word of a field. All others are in the useful data; sis.service may be there, too (chapter 7).
+local part_of = {}
+
+for word in string.gmatch("start checksum length length_repeat control service sender receiver subaddress number "
+  .. "talker listener station stream reaction_in command_in reaction_time repeat_of unanswered_before next_command_in "
+  .. "answered_in routed_from", "%S+") do
+  part_of[word] = "head"
+end
+for word in string.gmatch("silence_before tza trs twm tmas bus", "%S+") do
+  part_of[word] = "timing"
+end
+
+-- A protocol stands for all of its fields.
+local function find_wanted()
+  local named = {}
+
+  for name in string.gmatch(P.fields, "[^%s,]+") do
+    named[name] = true
+  end
+  local is_all = next(named) == nil
+
+  unwanted, has_wanted = {}, {head = is_all, data = is_all, timing = is_all}
+  for _, owner in ipairs({"sertap", "sis"}) do
+    unwanted[protos[owner]] = not is_all and not named[owner]
+    for _, which in ipairs(registered[owner].fields) do
+      local name = name_of[which]
+      local word = match(name, "^sis%.([%w_]+)")
+
+      if not is_all and not named[owner] and not named[name] then
+        unwanted[which] = which ~= FT.text -- Wireshark says what is wrong in a text
+      elseif word then
+        has_wanted[part_of[word] or "data"] = true
+      end
+    end
+  end
+end
+
 local function read_preferences()
   for name in pairs(P) do
     P[name] = sis.prefs[name]
   end
+  find_wanted()
 end
 
 sis.prefs_changed = read_preferences
@@ -184,7 +231,14 @@ local function total(sum, a, b, c, d, e, f, g, h, ...)
   return total(sum + a + b + c + d + e + f + g + h, ...)
 end
 
--- Items of the tree. Without a tree, or without an item, they do nothing.
+-- Items of the tree. Without a tree, without an item, or for a field that nobody wants they do nothing.
+
+local item_add, item_add_le, is_referenced = TreeItem.add, TreeItem.add_le, TreeItem.referenced -- found once
+
+-- Whether somebody wants the field in this tree.
+local function is_wanted(tree, which)
+  return tree and not unwanted[which] and is_referenced(tree, which)
+end
 
 local counts -- how often each field was added, while somebody wants to know; else nil: sis/packed
 
@@ -194,26 +248,27 @@ end
 
 -- A field with its value, or with the value of its bytes, big endian; `text` replaces the displayed text.
 local function add(tree, which, tvb, offset, length, value, text)
-  if tree == nil then return nil end
+  if tree == nil or unwanted[which] then return nil end
   if counts then count_field(which) end
   if text ~= nil then
-    return tree:add(which, tvb(offset, length), value, text)
+    return item_add(tree, which, tvb(offset, length), value, text)
   elseif value ~= nil then
-    return tree:add(which, tvb(offset, length), value)
+    return item_add(tree, which, tvb(offset, length), value)
   end
-  return tree:add(which, tvb(offset, length))
+  return item_add(tree, which, tvb(offset, length))
 end
 
 -- The same with little-endian bytes.
 local function add_le(tree, which, tvb, offset, length)
-  if counts and tree then count_field(which) end
-  return tree and tree:add_le(which, tvb(offset, length))
+  if tree == nil or unwanted[which] then return nil end
+  if counts then count_field(which) end
+  return item_add_le(tree, which, tvb(offset, length))
 end
 
--- A field with its value and `text` after its name.
-local function add_value(tree, which, tvb, offset, length, value, text)
-  if counts and tree then count_field(which) end
-  return tree and tree:add(which, tvb(offset, length), value, label[which] .. ": " .. text)
+-- A field with its value, and after its name a text: strformat(...).
+local function add_value(tree, which, tvb, offset, length, value, ...)
+  if tree == nil or unwanted[which] then return nil end
+  return add(tree, which, tvb, offset, length, value, label[which] .. ": " .. strformat(...))
 end
 
 -- The bytes up to `stop`, if there are any.
@@ -259,6 +314,12 @@ local function nstime(ns)
   local rest = fmod(ns, 1e9)
 
   return NSTime.new((ns - rest) / 1e9, rest)
+end
+
+-- A duration in ns, with a text as add_value() takes it.
+local function add_duration(tree, which, tvb, offset, length, ns, ...)
+  if tree == nil or unwanted[which] then return nil end
+  return add_value(tree, which, tvb, offset, length, nstime(ns), ...)
 end
 
 local function plural(count)
@@ -2601,7 +2662,7 @@ do
   -- "8E1" and its parts.
   local function add_format(tree, tvb, record)
     local parity, stop = parity_letters[record.parity] or "?", N.sertap_stop_bits[record.stop_half_bits] or "?"
-    local subtree = add(tree, FT.format, tvb, 8, 3, strformat("%d%s%s", record.data_bits, parity, stop))
+    local subtree = add(tree, FT.format, tvb, 8, 3, strformat("%d%s%s", record.data_bits, parity, stop)) or tree
 
     add(subtree, FT.format_data_bits, tvb, 8, 1)
     add(subtree, FT.format_parity, tvb, 9, 1)
@@ -2611,7 +2672,7 @@ do
   -- Unknown has no value: otherwise a filter for bad times would find it.
   local function add_uncertainty(tree, tvb, uncertainty)
     if uncertainty then
-      add_value(tree, FT.uncertainty, tvb, 12, 4, nstime(uncertainty), T.ms_text(uncertainty))
+      add_duration(tree, FT.uncertainty, tvb, 12, 4, uncertainty, T.ms_text(uncertainty))
     else
       add_subtree(tree, tvb, 12, 4, "Uncertainty of the times: unknown")
     end
@@ -2781,19 +2842,20 @@ do
     local value, flag = byte(record.bytes, data_at + 1), T.flags_of(record, index)
     local interval, is_longer = T.interval_of(record, index), band(flag, K.SERTAP_INTERVAL_SATURATED) ~= 0
     local is_usual = index > 0 and flag == 0 and 2 * math.abs(interval - usual) < usual
-    local subtree = add(tree, FT.character, tvb, data_at, 1, value,
+    local item = not unwanted[FT.character] and add(tree, FT.character, tvb, data_at, 1, value,
       not is_usual and strformat("Character %d: 0x%02x", index + 1, value) or nil)
+    local subtree = item or tree
 
-    if is_usual then set_hidden(subtree) end
+    if is_usual then set_hidden(item) end
     if index == 0 then interval, is_longer = T.silence(record) end
     if band(flag, K.SERTAP_INTERVAL_UNKNOWN) == 0 then
-      if not is_usual then append_text(subtree, ", after " .. interval_text(interval, is_longer)) end
-      set_hidden(add(subtree, FT.interval, tvb, time_at, 4, nstime(interval)))
+      if not is_usual then append_text(item, ", after " .. interval_text(interval, is_longer)) end
+      if not unwanted[FT.interval] then set_hidden(add(subtree, FT.interval, tvb, time_at, 4, nstime(interval))) end
     end
     set_hidden(add(subtree, FT.flags, tvb, flags_at, 1))
     for _, known in ipairs(flags) do
       if band(flag, known.flag) ~= 0 then
-        append_text(subtree, ", " .. known.text)
+        append_text(item, ", " .. known.text)
         set_hidden(add(subtree, known.field, tvb, flags_at, 1))
       end
     end
@@ -2805,8 +2867,8 @@ do
 
     if at == 0 then return end
     local text = interval_text(longest, band(T.flags_of(record, at), K.SERTAP_INTERVAL_SATURATED) ~= 0)
-    local item = add_value(tree, FT.interval_max, tvb, record.times_offset + 4 * at, 4, nstime(longest),
-      strformat("%s, before character %d", text, at + 1))
+    local item = add_duration(tree, FT.interval_max, tvb, record.times_offset + 4 * at, 4, longest,
+      "%s, before character %d", text, at + 1)
 
     set_generated(item)
     if record.uncertainty then
@@ -2817,9 +2879,9 @@ do
   -- Whether the characters are displayed or filtered. Usually a large file needs neither, and a record has five items
   -- for each character.
   local function are_characters_wanted(tree)
-    if tree:referenced(FT.character) or tree:referenced(FT.interval) or tree:referenced(FT.flags) then return true end
+    if is_wanted(tree, FT.character) or is_wanted(tree, FT.interval) or is_wanted(tree, FT.flags) then return true end
     for _, known in ipairs(flags) do
-      if tree:referenced(known.field) then return true end
+      if is_wanted(tree, known.field) then return true end
     end
     return false
   end
@@ -3274,7 +3336,7 @@ do
 
       item = add(body.tree, F.control, body.tvb, 4, 1)
       for _, bit_field in ipairs(has_status and bits.reaction or bits[P.edition]) do
-        add(item, bit_field, body.tvb, 4, 1)
+        add(item or body.tree, bit_field, body.tvb, 4, 1)
       end
       append_text(item, strformat(" (%s%s)", body.telegram.is_reaction and "reaction" or "command",
         kind and ", " .. kind or ""))
@@ -3287,8 +3349,8 @@ do
   local function dissect_service(body)
     local service = body.telegram.service
     local is_reserved = S.service_is_reserved(service)
-    local item = body.tree and add_value(body.tree, F.service, body.tvb, 5, 1, service,
-      strformat("%s (0x%02x)", S.service_range_name(service), service))
+    local item = add_value(body.tree, F.service, body.tvb, 5, 1, service,
+      "%s (0x%02x)", S.service_range_name(service), service)
 
     if P.edition == K.ECODRIVE03 and not is_reserved and (service == 0x04 or (service >= 0x10 and service < 0x80)) then
       add_expert(item or body.root, E.service_reserved, "ECODRIVE03 does not have this service")
@@ -3300,8 +3362,7 @@ do
   local function dissect_sender(body)
     local sender = body.telegram.sender
     local kind = S.sender_kind(sender)
-    local item = body.tree and add_value(body.tree, F.sender, body.tvb, 6, 1, sender,
-      strformat("%d (%s)", sender, N.address_kinds[kind]))
+    local item = add_value(body.tree, F.sender, body.tvb, 6, 1, sender, "%d (%s)", sender, N.address_kinds[kind])
 
     if kind == K.SERVICE_MASTER then
       mark(body, item, E.sender_service_master, "service address 127")
@@ -3328,15 +3389,11 @@ do
     local kind = S.receiver_kind(receiver)
     local item
 
-    if body.tree then
-      local text = strformat("%d (%s)", receiver, N.address_kinds[kind])
-
-      if which == F.subaddress then
-        item = add(body.tree, which, body.tvb, offset, 1, receiver,
-          strformat("Subaddress %d: %s", offset - K.STATIC_LENGTH + 1, text))
-      else
-        item = add_value(body.tree, which, body.tvb, offset, 1, receiver, text)
-      end
+    if which == F.receiver then
+      item = add_value(body.tree, which, body.tvb, offset, 1, receiver, "%d (%s)", receiver, N.address_kinds[kind])
+    else
+      item = add(body.tree, which, body.tvb, offset, 1, receiver,
+        strformat("Subaddress %d: %d (%s)", offset - K.STATIC_LENGTH + 1, receiver, N.address_kinds[kind]))
     end
     if kind ~= K.STATION then check_receiver(body, item, receiver, kind, is_last) end
   end
@@ -3362,8 +3419,8 @@ do
 
       add_generated(body.tree, F.talker, body.tvb, ends.talker)
       add_generated(body.tree, F.listener, body.tvb, ends.listener)
-      add_generated(body.tree, F.station, body.tvb, ends.talker):set_hidden()
-      add_generated(body.tree, F.station, body.tvb, ends.listener):set_hidden()
+      set_hidden(add_generated(body.tree, F.station, body.tvb, ends.talker))
+      set_hidden(add_generated(body.tree, F.station, body.tvb, ends.listener))
     end
   end
 
@@ -3407,8 +3464,8 @@ do
   local function find_grounds(body, record)
     local exchange = record.exchange
 
-    if not body.is_quick or not exchange or exchange.repeat_of or exchange.is_step_again or record.reaction_before
-      or record.steps then
+    if body.tree or not body.is_simple or not exchange or exchange.repeat_of or exchange.is_step_again
+      or record.reaction_before or record.steps then
       return nil
     end
     if packet.visited then return exchange.request end
@@ -3443,14 +3500,22 @@ do
     return body.summary
   end
 
+  -- A part of a telegram of which nobody wants a field has no tree.
+  local function begin_part(body, part)
+    body.tree = has_wanted[part] and body.whole_tree or nil
+  end
+
   -- Decodes the useful data, with data of their exchange. Returns words for the packet list.
   local function dissect_useful_data(body, record)
     local telegram = body.telegram
 
     if telegram.is_good then S.exchange_show(record, telegram, body) end
+    begin_part(body, has_wanted.head and telegram.service == K.LIST_SERVICE and "head" or "data")
     local words = dissect_body(body, record)
     if record.exchange and not telegram.is_reaction then S.learn_request(record, telegram, body.request) end
+    begin_part(body, "timing")
     if not telegram.is_before then S.timing_dissect(telegram, record, body) end
+    body.tree = body.whole_tree
     return words
   end
 
@@ -3529,8 +3594,8 @@ do
     telegram.number = is_good and telegram.has_number and byte(bytes, body_offset) or 0
     telegram.length = declared ~= 0 and min(body.there, declared) or body.there -- without what follows it
     telegram.times = S.times(body.tvb, body.there, telegram.length)
-    -- Whether nothing is wrong and no tree is needed: then an earlier result may be valid.
-    body.is_quick = not body.tree and not S.is_counting and is_good and body.there == declared and #bytes == declared
+    -- Whether nothing is wrong: then, without a tree, an earlier result may be valid.
+    body.is_simple = not S.is_counting and is_good and body.there == declared and #bytes == declared
   end
 
   local function dissect_start(body)
@@ -3556,8 +3621,9 @@ do
   -- skipped.
   local function dissect_header(body)
     local telegram, before = body.telegram, effects
+    local is_quick = not body.tree and body.is_simple
 
-    if body.is_quick and telegram.is_plain then return end
+    if is_quick and telegram.is_plain then return end
     dissect_start(body)
     dissect_checksum(body)
     add(body.tree, F.length, body.tvb, 2, 1)
@@ -3565,7 +3631,7 @@ do
     dissect_control(body)
     dissect_service(body)
     dissect_addresses(body)
-    telegram.is_plain = body.is_quick and effects == before
+    telegram.is_plain = is_quick and effects == before
   end
 
   -- Header and useful data; the packet list says "16 -> 3  Command  Read parameter S-0-0044".
@@ -3578,12 +3644,15 @@ do
 
     body.ends = ends -- the real talker and listener
     S.set_addresses(ends.talker, ends.listener)
+    begin_part(body, "head")
     dissect_header(body)
     local words = dissect_useful_data(body, record)
     add_bytes(body.tree, F.raw, body.tvb, body.end_, #body.bytes)
     if S.is_counting and not telegram.is_before then S.note_telegram(body, record) end
 
-    if body.tree then append_text(body.root, strformat(", %s, %s", ends.title, S.shortened(words, HEAD_LENGTH))) end
+    if body.tree and not unwanted[sis] then
+      append_text(body.root, strformat(", %s, %s", ends.title, S.shortened(words, HEAD_LENGTH)))
+    end
     return ends.heading .. body.marks .. "  " .. words
   end
 
@@ -3608,7 +3677,7 @@ do
   -- sis/packed: each telegram of a packet but the first says which fields it has.
 
   local function begin_packed(tree)
-    counts = packet.telegrams > 0 and tree and tree:referenced(F.packed) and {} or nil
+    counts = packet.telegrams > 0 and is_wanted(tree, F.packed) and {} or nil
     packet.telegrams = packet.telegrams + 1
   end
 
@@ -3624,7 +3693,7 @@ do
     for place, name in ipairs(parts) do
       parts[place] = strformat("%s=%d", name, of_name[name])
     end
-    add(tree, F.packed, tvb, 0, 0, concat(parts, " ")):set_hidden()
+    set_hidden(add(tree, F.packed, tvb, 0, 0, concat(parts, " ")))
   end
 
   -- The telegram being dissected, and its useful data: one table for all of them, because making tables would take
@@ -3638,7 +3707,7 @@ do
     local tree = parent:referenced(handle) and parent:add(sis, tvb()) or nil
 
     body.tvb, body.bytes, body.pinfo = tvb, bytes, pinfo
-    body.tree, body.root = tree, tree or parent
+    body.tree, body.whole_tree, body.root = tree, tree, tree or parent
     body.there, body.declared = there, declared -- 0: its two lengths differ, or are missing
     body.end_ = min(declared > 0 and declared or there, #bytes) -- available bytes of the telegram
     body.marks = "" -- for the end of the info column: what is wrong
@@ -3821,8 +3890,8 @@ do
 
   -- A code as "Text (0x12)", of `size` bytes.
   local function add_code(body, which, size, value, text, digits)
-    body.item = body.tree and add_value(body.tree, which, body.tvb, body.offset, size, value,
-      strformat("%s (0x%0" .. digits .. "x)", text, value))
+    body.item = add_value(body.tree, which, body.tvb, body.offset, size, value, "%s (0x%0" .. digits .. "x)", text,
+      value)
     body.offset = body.offset + size
   end
 
@@ -4312,7 +4381,7 @@ do
 
     local offset = body.offset
     local ms = body.tvb(offset, 2):le_uint()
-    body.item = body.tree and add_value(body.tree, which, body.tvb, offset, 2, nstime(ms * 1000000), ms .. " ms")
+    body.item = add_duration(body.tree, which, body.tvb, offset, 2, ms * 1000000, "%d ms", ms)
     body.offset = offset + 2
     S.say(body, which == F.init_time and " = %d ms" or ", %d ms", ms)
     return ms
@@ -4660,7 +4729,7 @@ do
     local body = access.body
 
     for _, bit_field in ipairs({F.parameter_control_reserved, F.element, F.transmission}) do
-      add(body.item, bit_field, body.tvb, body.offset - 1, 1)
+      add(body.item or body.tree, bit_field, body.tvb, body.offset - 1, 1)
     end
     append_text(body.item,
       strformat(" (%s, %s)", N.elements[access.element], access.is_last and "last transmission" or "more follows"))
@@ -4912,7 +4981,7 @@ do
     if not status then return end
     for _, bit_field in ipairs({F.data_status_invalid, F.data_status_impossible, F.data_status_not_executed,
       F.data_status_enabled, F.data_status_set}) do
-      if body.item then add_le(body.item, bit_field, body.tvb, body.offset - 2, 2) end
+      add_le(body.item or body.tree, bit_field, body.tvb, body.offset - 2, 2)
     end
     local text = strformat("command %s%s", N.data_states[band(status, 0x0F)] or "not defined",
       band(status, 0x0100) ~= 0 and ", operating data invalid" or "")
@@ -5436,21 +5505,21 @@ do
     return exchange and exchange.from ~= exchange.from.stream.from[S.direction(telegram)]
   end
 
-  -- A duration that stands for no bytes, with its text.
-  function S.add_time(tree, which, tvb, ns, text)
-    return tree and set_generated(add_value(tree, which, tvb, 0, 0, nstime(ns), text))
+  -- A duration that stands for no bytes, with its text: strformat(...).
+  function S.add_time(tree, which, tvb, ns, ...)
+    return set_generated(add_duration(tree, which, tvb, 0, 0, ns, ...))
   end
 
   -- The same as "12.345 ms". A clock that is set back makes none.
   function S.add_ms(tree, which, tvb, ns, sign)
-    if ns >= 0 then S.add_time(tree, which, tvb, ns, (sign or "") .. T.ms_text(ns)) end
+    if ns >= 0 and not unwanted[which] then S.add_time(tree, which, tvb, ns, (sign or "") .. T.ms_text(ns)) end
   end
 
   -- A time as a number of ms, rounded to three digits, for a column of the packet list. Hidden: the tree has the time
   -- already.
   function S.add_column_ms(tree, which, tvb, ns)
-    if tree and tree:referenced(which) then
-      set_generated(add(tree, which, tvb, 0, 0, floor(ns / 1000 + 0.5) / 1000)):set_hidden()
+    if is_wanted(tree, which) then
+      set_hidden(set_generated(add(tree, which, tvb, 0, 0, floor(ns / 1000 + 0.5) / 1000)))
     end
   end
 
@@ -5634,14 +5703,17 @@ do
 
   -- As Wireshark's own reassembly shows it. `which` has its fields: all, piece, count, length.
   local function show_pieces(parent, data, pieces, which)
-    local tree, offset = add(parent, which.all, data.tvb, 0, data.tvb:len()), 0
+    local item, offset = add(parent, which.all, data.tvb, 0, data.tvb:len()), 0
+    local tree = item or parent
 
-    tree:set_text(strformat("%d %s (%d byte%s):", #pieces, #pieces == 1 and "Piece" or "Pieces", data.length,
-      plural(data.length)))
-    for i, piece in ipairs(pieces) do -- one by one: so a line that is too long is cut like those of Wireshark
-      append_text(tree, strformat("%s #%d(%d)", i > 1 and "," or "", piece.frame, piece.length))
+    if item then
+      item:set_text(strformat("%d %s (%d byte%s):", #pieces, #pieces == 1 and "Piece" or "Pieces", data.length,
+        plural(data.length)))
     end
-    tree:set_generated()
+    for i, piece in ipairs(pieces) do -- one by one: so a line that is too long is cut like those of Wireshark
+      append_text(item, strformat("%s #%d(%d)", i > 1 and "," or "", piece.frame, piece.length))
+    end
+    set_generated(item)
     for _, piece in ipairs(pieces) do
       show_piece(tree, data.tvb, which, piece, offset)
       offset = offset + piece.length
@@ -6562,19 +6634,19 @@ do
   -- and length (0: the command has it), type_at, number_at, is_big: the number word.
   function S.add_ident(tree, tvb, place, ident, known)
     local item = add(tree, F.parameter, tvb, place.offset, place.length, ident.text)
-    local add_bits = place.is_big and add or add_le
+    local add_bits, subtree = place.is_big and add or add_le, item or tree
 
     if known.name then append_text(item, " (" .. known.name .. ")") end
     if place.length > 0 then
-      if place.type_at then add(item, F.parameter_type, tvb, place.type_at, 1) end
-      if ident.type == 0 then add_bits(item, F.parameter_product_specific, tvb, place.number_at, 2) end
-      add_bits(item, F.parameter_set, tvb, place.number_at, 2)
-      add_bits(item, F.parameter_number, tvb, place.number_at, 2)
+      if place.type_at then add(subtree, F.parameter_type, tvb, place.type_at, 1) end
+      if ident.type == 0 then add_bits(subtree, F.parameter_product_specific, tvb, place.number_at, 2) end
+      add_bits(subtree, F.parameter_set, tvb, place.number_at, 2)
+      add_bits(subtree, F.parameter_number, tvb, place.number_at, 2)
     else
       set_generated(item)
     end
     for _, part in ipairs({"name", "unit", "minimum", "maximum"}) do
-      local made = add_generated(item, F["parameter_" .. part], tvb, known[part])
+      local made = add_generated(subtree, F["parameter_" .. part], tvb, known[part])
 
       if made then append_text(made, " (" .. known[part .. "_from"] .. ")") end
     end
@@ -6836,7 +6908,7 @@ do
     for _, part in ipairs(attribute_bits) do
       local word = part.words and part.words[bits(attribute, part.first, part.size or 1)]
 
-      add_bits(item, part.field, data.tvb, data.offset, ATTRIBUTE_SIZE)
+      add_bits(item or tree, part.field, data.tvb, data.offset, ATTRIBUTE_SIZE)
       if word then append_text(item, ", " .. (part.name or "") .. word) end
     end
   end
@@ -6886,13 +6958,14 @@ do
     local name = ident and S.known_from_tables(ident, data.path).name
 
     if name then append_text(item, " (" .. name .. ")") end
-    if tree and layout.bits then add_named_bits(item, data, at, layout, bytes) end
-    if not is_number(layout) or not tree or not tree:referenced(F.value_number) then return end
+    if tree and layout.bits then add_named_bits(item or tree, data, at, layout, bytes) end
+    if not is_number(layout) or not is_wanted(tree, F.value_number) then return end
     local shown, digits = digits_of(value)
     local number = S.shown_number(digits)
 
     if number then
-      set_generated(add(item, F.value_number, data.tvb, data.offset + at, layout.size, number, "Number: " .. shown))
+      set_generated(add(item or tree, F.value_number, data.tvb, data.offset + at, layout.size, number,
+        "Number: " .. shown))
     end
   end
 
@@ -6920,8 +6993,8 @@ do
     local count, values = floor((data.length - offset) / layout.size), {}
     local bytes = ordered(data, offset, layout.size)
 
-    if tree and (tree:referenced(F.value) or tree:referenced(F.value_number) or tree:referenced(F.value_bit)
-      or tree:referenced(F.raw)) then
+    if is_wanted(tree, F.value) or is_wanted(tree, F.value_number) or is_wanted(tree, F.value_bit)
+      or is_wanted(tree, F.raw) then
       show_list(tree, data, offset, layout, is_whole)
     end
     for i = 1, min(count, K.SHOWN_IN_LIST) do
@@ -7010,7 +7083,7 @@ do
 
   -- Whether somebody wants the field in this tree.
   function S.is_access_wanted(tree)
-    return tree and tree:referenced(F.access)
+    return is_wanted(tree, F.access)
   end
 
   -- A reaction that comes twice is counted once, one from before this file not at all.
@@ -7078,7 +7151,7 @@ do
   end
 
   function S.tell_access(access, tvb, tree)
-    add(tree, F.access, tvb, 0, 0, json_text(access)):set_hidden()
+    set_hidden(add(tree, F.access, tvb, 0, 0, json_text(access)))
   end
 
   local function note(body, is_write, error_text, bytes)
@@ -7815,8 +7888,8 @@ do
   -- unknown), busy and span: of the line (nil: unknown), tza and trs: limits (0: unknown, so there is no verdict),
   -- longest (nil: unknown, or not needed), wait: TwM (negative: none)}.
 
-  local function add_time(t, which, ns, text)
-    return S.add_time(t.tree, which, t.body.tvb, ns, text)
+  local function add_time(t, which, ns, ...)
+    return S.add_time(t.tree, which, t.body.tvb, ns, ...)
   end
 
   local function add_uint(t, which, value, text)
@@ -7841,8 +7914,7 @@ do
   -- Limit and verdict. The words for an expert item are the same in each packet: Wireshark groups by them. The numbers
   -- follow the verdict.
   local function show_verdict(t, judgement, told, limit, verdict, words, numbers)
-    add_time(t, judgement.limit, limit,
-      strformat("%d ms", limit / MS) .. (told and told.is_by_user and ", told by the user" or ""))
+    add_time(t, judgement.limit, limit, "%d ms%s", limit / MS, told and told.is_by_user and ", told by the user" or "")
     if told then add_uint(t, judgement.set_in, told.set_in) end
     local item = add_uint(t, judgement.verdict, verdict)
 
@@ -7992,7 +8064,7 @@ do
     if t.busy and t.tree then
       local load = T.percent(t.busy, t.span)
 
-      set_generated(add_value(t.tree, F.bus_load, t.body.tvb, 0, 0, load, T.decimal_text(load * 10, 1, 1) .. " %"))
+      set_generated(add_value(t.tree, F.bus_load, t.body.tvb, 0, 0, load, "%s %%", T.decimal_text(load * 10, 1, 1)))
     end
   end
 
@@ -8027,8 +8099,8 @@ do
     if not times.record then return false end
     if S.is_counting then return true end
     if t.tza > 0 then return tree or not S.are_within(times, t.tza) end
-    return tree and (tree:referenced(F.tza_interval_max) or tree:referenced(F.tza_interval_max_ms)
-      or tree:referenced(F.tza_position))
+    return is_wanted(tree, F.tza_interval_max) or is_wanted(tree, F.tza_interval_max_ms)
+      or is_wanted(tree, F.tza_position)
   end
 
   local function find_timing(t)
@@ -8600,8 +8672,8 @@ do
   local function show_reaction(d)
     local number, job = byte(d.bytes, 4), d.telegram.job
     local text = N.rk512_errors[number] or "Not defined"
-    local item = d.tree and add_value(d.tree, FX.rk512i_error, d.tvb, 3, 1, number,
-      strformat("%s (0x%02x)%s", text, number, number ~= 0 and ", by Siemens' numbers" or ""))
+    local item = add_value(d.tree, FX.rk512i_error, d.tvb, 3, 1, number,
+      "%s (0x%02x)%s", text, number, number ~= 0 and ", by Siemens' numbers" or "")
 
     if job and job.ident then
       d.words = d.words .. ": " .. S.recall_head(d.tree, d.tvb, S.head_of(job.info, job.axis, job.ident))
@@ -8859,7 +8931,7 @@ do
   end
 
   local function show_verdict(d, limit_field, verdict_field, limit_ms, verdict, words)
-    S.add_time(d.tree, limit_field, d.tvb, limit_ms * MS, limit_ms .. " ms")
+    S.add_time(d.tree, limit_field, d.tvb, limit_ms * MS, "%s ms", limit_ms)
     local item = add_generated(d.tree, verdict_field, d.tvb, verdict)
 
     if verdict == K.TIME_OK then return end
@@ -9469,7 +9541,7 @@ do
   -- Bytes without a documented meaning: each with its number, counted from byte 0 of `tvb`.
   local function add_open_bytes(c, tvb, offset, stop, why)
     if offset >= stop then return end
-    local tree = add(c.tree, F.raw, tvb, offset, stop - offset)
+    local tree = add(c.tree, F.raw, tvb, offset, stop - offset) or c.tree
 
     for at = offset, stop - 1 do
       local value = tvb(at, 1):uint()
@@ -9571,7 +9643,7 @@ do
       append_text(item, " (busy)")
       return
     end
-    item = add_value(c.tree, F.error, c.tvb, 4, 2, code, strformat("%s (0x%04x)", text, code))
+    item = add_value(c.tree, F.error, c.tvb, 4, 2, code, "%s (0x%04x)", text, code)
     mark(c, item, EX.synax_error, "error 0x%04x: %s", code, text)
     say(c, strformat("error 0x%04x: %s", code, text))
   end
@@ -9623,8 +9695,7 @@ do
     if not text then
       return add_open_bytes(c, c.tvb, WORD_SIZE, c.end_, "The place of the error code is not defined")
     end
-    local value = strformat("%s (0x%04x)", text, code)
-    local item = add_value(c.tree, FX.synaxpk_code, c.tvb, WORD_SIZE, 2, code, value)
+    local item = add_value(c.tree, FX.synaxpk_code, c.tvb, WORD_SIZE, 2, code, "%s (0x%04x)", text, code)
 
     mark(c, item, EX.synax_error, "error 0x%04x: %s", code, text)
     c.words = c.words .. strformat(" 0x%04x: %s", code, text)
@@ -10814,7 +10885,7 @@ do
   local function add_named_bits(line, item, offset, length, value, known)
     local digits, width = read_bits(value, known)
 
-    if not item or not digits or not known.bits then return end
+    if not digits or not known.bits then return end
     for number, name in string.gmatch(known.bits, "(%d+)=([^,]+)") do
       local place = floor(number / width)
       local digit = tonumber(sub(digits, -1 - place, -1 - place), 16) or 0
@@ -10834,7 +10905,9 @@ do
     local item = add(line.tree, F.value, line.tvb, offset, length, shown)
 
     line.words = line.words .. " = " .. shown
-    if access.said.element >= K.ELEMENT_MINIMUM then add_named_bits(line, item, offset, length, value, known) end
+    if access.said.element >= K.ELEMENT_MINIMUM then
+      add_named_bits(line, item or line.tree, offset, length, value, known)
+    end
     if is_value then
       set_generated(add(line.tree, F.value_number, line.tvb, offset, length, S.shown_number(value),
         "Number: " .. value))
@@ -10863,7 +10936,7 @@ do
   local function show_error(line)
     local code = line.said.error
     local text = error_text(code)
-    local item = add_value(line.tree, F.error, line.tvb, line.said.at, 4, code, strformat("%s (0x%04x)", text, code))
+    local item = add_value(line.tree, F.error, line.tvb, line.said.at, 4, code, "%s (0x%04x)", text, code)
 
     add_expert(item or line.root, E.status_execution_error, strformat("error 0x%04x: %s", code, text))
     line.words = line.words .. strformat(": 0x%04x %s", code, text)
@@ -10880,9 +10953,7 @@ do
       drive)
 
     if is_here then line.words = strformat(" %d", drive) else set_generated(item) end
-    local station = add_generated(line.tree, F.station, line.tvb, drive)
-
-    if station then station:set_hidden() end
+    set_hidden(add_generated(line.tree, F.station, line.tvb, drive))
   end
 
   local function show_line(line)
@@ -10912,7 +10983,7 @@ do
   local function show_verdict(line, limit_ms, source)
     local verdict = S.judge(line.unit.span, limit_ms * MS)
 
-    S.add_time(line.tree, F.trs_limit, line.tvb, limit_ms * MS, limit_ms .. " ms" .. source)
+    S.add_time(line.tree, F.trs_limit, line.tvb, limit_ms * MS, "%s ms%s", limit_ms, source)
     if source ~= "" then add_generated(line.tree, F.trs_set_in, line.tvb, line.unit.limit.set_in) end
     local item = add_generated(line.tree, F.trs_verdict, line.tvb, verdict)
 

@@ -28,6 +28,7 @@ _TAP = "sis,rows"  # plugin/windows/rows.c
 _VERSION = "sis,rows 1"
 _HEAD = struct.Struct("=IHH")  # of each entry
 _NO_TAP = "Invalid -z argument"
+_WANTED = "sis.fields"  # a preference of sis.lua: it makes these fields only
 
 _ODD = re.compile(f"[^ -~\t{JOINT}]")  # may have to be escaped; rare
 _USUAL = bytes(byte for byte in range(128) if not _ODD.match(chr(byte)))
@@ -86,14 +87,20 @@ def printed(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> t
 
     sis.lua has no tap: there `-T fields` prints rows, and takes longer. TsharkError, also after the last row.
     """
+    return _printed(tshark, ["-o", f"{_WANTED}:{','.join(names)}", *arguments], names)
+
+
+def _printed(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> tuple[list[str], Iterator[str]]:
     try:
         lines = tshark.lines([*arguments, *printing(names), "-E", "header=y"])
         return next(lines, "").split("\t"), map(safe, lines)
     except TsharkError as error:
+        if _WANTED in str(error):  # an older dissector
+            return _printed(tshark, arguments[2:], names)
         known = [name for name in names if name not in unknown_fields(str(error))]
         if len(known) == len(names):
             raise
-    return printed(tshark, arguments, known)
+    return _printed(tshark, arguments, known)
 
 
 def columns(names: Sequence[str], line: str) -> dict[str, str]:

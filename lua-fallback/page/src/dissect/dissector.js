@@ -67,6 +67,13 @@ export class Dissector {
     this.library.applyPreferences();
   }
 
+  // Lets sis.lua make only the fields that some texts name, such as filters; all of them if there are no texts, or if
+  // one names a macro.
+  want(...texts) {
+    const text = texts.join(" ");
+    this.prefer({ "sis.fields": text.includes("$") ? "" : (text.match(/[\w.]+/g) ?? []).join() });
+  }
+
   // Opens a capture; returns how many packets it has, and what is wrong with it.
   open(task, bytes) {
     this.close();
@@ -75,6 +82,7 @@ export class Dissector {
     if (isManifold(bytes)) this.tellPlaces(bytes);
     this.watch(FS, bytes.length);
     this.session = new DissectSession(CAPTURE);
+    this.filter = ""; // the last one
     const { code, error, summary } = this.during(task, () => this.session.load());
     if (error || (code && !summary.packet_count)) {
       this.close();
@@ -142,11 +150,19 @@ export class Dissector {
     return taken(this.library.completeFilter(beginning).fields);
   }
 
-  // Returns how many packets a filter leaves, and some rows of them: {number, cells, paper, ink}.
-  rows(task, filter, skip, limit) {
+  // Returns how many packets a filter leaves, and some rows of them: {number, cells, paper, ink}. Wireshark remembers
+  // which packets pass a filter. `fields` are all those of the columns, if no rows are coloured.
+  rows(task, filter, skip, limit, fields = []) {
     const trouble = filter && this.trouble(filter);
     if (trouble) throw new Error(trouble);
-    const { matched, frames } = this.during(task, () => this.session.getFrames(filter, skip, limit));
+    const framesOf = (...rows) => this.during(task, () => this.session.getFrames(filter, ...rows));
+    if (filter && filter !== this.filter) {
+      this.want(filter);
+      framesOf(0, 1).frames.delete();
+      this.filter = filter;
+    }
+    this.want(...fields);
+    const { matched, frames } = framesOf(skip, limit);
     const rows = taken(frames, ({ number, columns, bg, fg }) =>
       ({ number, cells: taken(columns, visible), paper: bg === UNCOLOURED ? "" : colour(bg), ink: bg === UNCOLOURED ? "" : colour(fg) }));
     return { matched, rows };
@@ -154,6 +170,7 @@ export class Dissector {
 
   // Returns a packet: {tree, sources}. A tree is a list of {label, filter, start, length, source, kind, to, tree}.
   packet(number) {
+    this.want();
     const { tree, data_sources, comments, follow } = this.session.getFrame(number);
     taken(follow, (one) => taken(one));
     return {
@@ -179,6 +196,7 @@ export class Dissector {
   graph(task, wanted) {
     const input = new this.library.MapInput();
     for (const [name, text] of Object.entries(wanted)) input.set(name, text);
+    this.want(...Object.values(wanted));
     const { error, iograph } = this.during(task, () => this.session.iograph(input));
     input.delete();
     const graphs = taken(iograph, ({ items }) => taken(items));

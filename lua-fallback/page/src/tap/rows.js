@@ -63,7 +63,7 @@ export class Tables {
   piece(names, filter, skip, limit) {
     const { FS } = this.owner.wireshark.library;
     FS.writeFile("/rows", "");
-    const { rows } = this.owner.wireshark.rows(this.owner.task, filter, skip, limit);
+    const { rows } = this.owner.wireshark.rows(this.owner.task, filter, skip, limit, names);
     const ofFields = new Map(FS.readFile("/rows", { encoding: "utf8" }).split("\n").map((line) => {
       const [number, ...values] = line.split("\t");
       return [Number(number), values];

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""sis.lua makes fields that somebody wants with the values that they have among all others."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from description import Description
+
+from merging import groups
+from sistap.dissected.packets.apart import PACKED
+from sistap.dissected.wireshark.rows import printing
+from sistap.dissected.wireshark.tshark import Tshark
+
+EXPERTS = {item.filter for item in Description().experts}
+EXPERT = "_ws.expert.message"  # always there, in the order of the items that have them
+NAMES = sorted(
+    field.filter
+    for field in Description().fields
+    if field.filter.startswith(("sertap.", "sis.")) and field.filter != PACKED
+)
+SHUFFLED = random.Random(48).sample(NAMES, len(NAMES))
+TOGETHER = 60
+CHUNKS = [SHUFFLED[at : at + TOGETHER] for at in range(0, len(NAMES), TOGETHER)]
+PAIRS = [SHUFFLED[at : at + 2] for at in range(0, len(NAMES), 2)]
+QUICK_PAIRS = 3
+
+Columns = dict[str, tuple[str, ...]]
+
+
+def columns(script: Tshark, capture: Path, names: Sequence[str], *options: str) -> Columns:
+    """Return the values of fields, a text for each packet."""
+    asked = [*names, EXPERT, PACKED]
+    lines = list(script.lines(["-r", str(capture), *options, *printing(asked)]))
+    found = dict(zip(asked, zip(*(line.split("\t") for line in lines), strict=True), strict=True))
+    found[EXPERT] = tuple("\n".join(sorted(text.split("\x1f"))) for text in found[EXPERT])
+    made = {*names, *EXPERTS}
+    found[PACKED] = tuple(  # says of each telegram what was made
+        " ".join(part for part in text.split(" ") if part.split("\x1f")[0].split("=")[0] in made)
+        for text in found[PACKED]
+    )
+    return found
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Write all captures but those over TCP as one."""
+    path = tmp_path_factory.mktemp("wanted") / "merged.pcapng"
+    groups()[0].write(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def among_all(script: Tshark, capture: Path) -> Columns:
+    """Return what every field has if all are made."""
+    return columns(script, capture, NAMES)
+
+
+@pytest.fixture(scope="module")
+def listed(script: Tshark, capture: Path) -> list[str]:
+    """Return the packet list."""
+    return script.output("-r", str(capture)).splitlines()
+
+
+def wanted(names: Sequence[str]) -> tuple[str, str]:
+    """Return the options that name fields; a wrong name changes nothing."""
+    return "-o", f"sis.fields:{','.join(names)}, no.such_field"
+
+
+def check(script: Tshark, capture: Path, names: Sequence[str], among_all: Columns) -> None:
+    """Compare the values of fields."""
+    found = columns(script, capture, names, *wanted(names))
+    for name in [*names, EXPERT]:
+        assert found[name] == among_all[name], name
+
+
+@pytest.mark.parametrize("names", CHUNKS, ids=lambda names: names[0])
+def test_many_fields(names: list[str], script: Tshark, capture: Path, among_all: Columns) -> None:
+    """As sistap asks for them: whatever is above them in the tree is not made."""
+    check(script, capture, names, among_all)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [pytest.param(pair, marks=() if at < QUICK_PAIRS else pytest.mark.thorough) for at, pair in enumerate(PAIRS)],
+    ids=lambda names: names[0],
+)
+def test_pairs_and_filters(
+    names: list[str], script: Tshark, capture: Path, among_all: Columns, listed: list[str]
+) -> None:
+    """As the page asks for them: a filter leaves the same packets, with the same words in the list."""
+    check(script, capture, names, among_all)
+    for name in names:
+        check(script, capture, [name], among_all)
+        passing = script.output("-r", str(capture), *wanted([name]), "-Y", name).splitlines()
+        assert passing == [line for line, value in zip(listed, among_all[name], strict=True) if value]
+
+
+@pytest.mark.parametrize("protocol", ["sertap", "sis"])
+def test_a_protocol_has_all_of_its_fields(protocol: str, script: Tshark, capture: Path, among_all: Columns) -> None:
+    names = [name for name in NAMES if name.startswith(f"{protocol}.")]
+    found = columns(script, capture, names, *wanted([protocol]))
+    assert {name: found[name] for name in names} == {name: among_all[name] for name in names}
