@@ -87,7 +87,7 @@ def printed(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> t
 
     sis.lua has no tap: there `-T fields` prints rows, and takes longer. TsharkError, also after the last row.
     """
-    return _printed(tshark, ["-o", f"{_WANTED}:{','.join(names)}", *arguments], names)
+    return _printed(tshark, [*arguments, "-o", f"{_WANTED}:{','.join(names)}"], names)
 
 
 def _printed(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> tuple[list[str], Iterator[str]]:
@@ -96,7 +96,7 @@ def _printed(tshark: Tshark, arguments: Sequence[str], names: Sequence[str]) -> 
         return next(lines, "").split("\t"), map(safe, lines)
     except TsharkError as error:
         if _WANTED in str(error):  # an older dissector
-            return _printed(tshark, arguments[2:], names)
+            return _printed(tshark, arguments[:-2], names)
         known = [name for name in names if name not in unknown_fields(str(error))]
         if len(known) == len(names):
             raise
