@@ -2897,7 +2897,7 @@ do
       if add_character(subtree, tvb, record, index) then usual = usual + 1 end
     end
     if usual > 0 then
-      append_text(subtree, strformat(", %d of %d intervals about as long as one (%s)", usual, record.timed - 1,
+      append_text(subtree, strformat(", %d of %d intervals of about one character (%s)", usual, record.timed - 1,
         T.ms_text(record.character_ns)))
     end
   end
