@@ -25,6 +25,9 @@ local byte, char, rep, sub, strformat = string.byte, string.char, string.rep, st
 local match, gsub = string.match, string.gsub
 local concat, unpack = table.concat, table.unpack
 local band, bxor, lshift, rshift = bit.band, bit.bxor, bit.lshift, bit.rshift -- signed: up to 31 bits only
+-- Methods that every telegram needs: Wireshark takes as long to find one as to call it.
+local raw, reported_len, tvb_of = Tvb.raw, Tvb.reported_len, TvbRange.tvb
+local item_add, item_add_le, is_referenced = TreeItem.add, TreeItem.add_le, TreeItem.referenced
 
 --- protocols: made by plugin/protocol/generate.py from protocols.toml; edit there
 
@@ -233,8 +236,6 @@ end
 
 -- Items of the tree. Without a tree, without an item, or for a field that nobody wants they do nothing.
 
-local item_add, item_add_le, is_referenced = TreeItem.add, TreeItem.add_le, TreeItem.referenced -- found once
-
 -- Whether somebody wants the field in this tree.
 local function is_wanted(tree, which)
   return tree and not unwanted[which] and is_referenced(tree, which)
@@ -265,9 +266,10 @@ local function add_le(tree, which, tvb, offset, length)
   return item_add_le(tree, which, tvb(offset, length))
 end
 
--- A field with its value, and after its name a text: strformat(...).
+-- A field with its value, and after its name a text: strformat(...). Programs do not read it.
 local function add_value(tree, which, tvb, offset, length, value, ...)
   if tree == nil or unwanted[which] then return nil end
+  if unwanted[sis] then return add(tree, which, tvb, offset, length, value) end
   return add(tree, which, tvb, offset, length, value, label[which] .. ": " .. strformat(...))
 end
 
@@ -2591,7 +2593,7 @@ do
     local record = packet.record
 
     if record and record.values < record.count and T.index(record, tvb) == 0 then return record.count end
-    return tvb:reported_len()
+    return reported_len(tvb)
   end
 
   -- The index, from 0, of the first character of the record in `part`, a subset of its payload.
@@ -2834,8 +2836,8 @@ do
     return (is_longer and "more than " or "") .. T.ms_text(interval)
   end
 
-  -- One line, and its items for filters. A character says nothing if it has no flag and came about as long after the
-  -- one before it as it takes itself: then its line is hidden, too. Returns whether it is.
+  -- A character says nothing if it has no flag and came about as long after the one before it as it takes itself: then it
+  -- is there for filters, and hidden. Returns whether it is.
   local function add_character(tree, tvb, record, index)
     local data_at, time_at = record.data_offset + index, record.times_offset + 4 * index
     local flags_at, usual = record.flags_offset + index, record.character_ns
@@ -2846,20 +2848,25 @@ do
       not is_usual and strformat("Character %d: 0x%02x", index + 1, value) or nil)
     local subtree = item or tree
 
-    if is_usual then set_hidden(item) end
     if index == 0 then interval, is_longer = T.silence(record) end
-    if band(flag, K.SERTAP_INTERVAL_UNKNOWN) == 0 then
-      if not is_usual then append_text(item, ", after " .. interval_text(interval, is_longer)) end
-      if not unwanted[FT.interval] then set_hidden(add(subtree, FT.interval, tvb, time_at, 4, nstime(interval))) end
+    if is_usual then
+      set_hidden(item)
+      if not unwanted[FT.interval] then add(subtree, FT.interval, tvb, time_at, 4, nstime(interval)) end
+    elseif band(flag, K.SERTAP_INTERVAL_UNKNOWN) == 0 then
+      local text = item and interval_text(interval, is_longer) or ""
+
+      append_text(item, ", after " .. text)
+      add_duration(subtree, FT.interval, tvb, time_at, 4, interval, text)
     end
-    set_hidden(add(subtree, FT.flags, tvb, flags_at, 1))
+    add(subtree, FT.flags, tvb, flags_at, 1)
+    if flag == 0 then return is_usual end -- most of them
     for _, known in ipairs(flags) do
       if band(flag, known.flag) ~= 0 then
         append_text(item, ", " .. known.text)
-        set_hidden(add(subtree, known.field, tvb, flags_at, 1))
+        add(subtree, known.field, tvb, flags_at, 1)
       end
     end
-    return is_usual
+    return false
   end
 
   local function add_interval_max(tree, tvb, record)
@@ -3024,8 +3031,8 @@ do
     if values == 0 then return end
     local characters = tvb(record.data_offset, values)
     -- If somebody looks at the bytes, they have a data source of their own, without the record around them.
-    characters = parent.visible and characters:bytes():tvb("Characters") or characters:tvb()
-    record.has_own_source = parent.visible
+    record.has_own_source = parent.visible and not unwanted[sertap]
+    characters = record.has_own_source and characters:bytes():tvb("Characters") or tvb_of(characters)
     if record.type == K.SERTAP_FRAME or record.framing == FRAMING_SIS then
       framing_table:try(record.framing, characters, pinfo, parent)
     else -- from before a file, only telegrams of SIS explain something
@@ -3083,8 +3090,8 @@ do
   end
 
   function sertap.dissector(tvb, pinfo, parent)
-    local bytes, there = tvb:raw(), tvb:reported_len()
-    local tree = (#bytes > 0 or there == 0) and parent:referenced(handle) and parent:add(sertap, tvb()) or nil
+    local bytes, there = raw(tvb), reported_len(tvb)
+    local tree = (#bytes > 0 or there == 0) and is_referenced(parent, handle) and parent:add(sertap, tvb()) or nil
     local root = tree or parent
     local record = #bytes >= RECORD_HEADER_SIZE and record_of(sub(bytes, 1, RECORD_HEADER_SIZE))
     local can_be_read, is_cut = is_quick(tree, record, bytes, there), false
@@ -3232,14 +3239,18 @@ do
     return length_repeat and length == length_repeat and K.STATIC_LENGTH + length or 0
   end
 
+  local summed, summed_from, summed_to, last_sum -- a telegram is summed to find its end, then to judge it
+
   -- Sum of bytes modulo 256; 0 for a telegram with a good checksum.
   function S.sum(bytes, offset, length)
     local sum, last = 0, offset + length
 
+    if bytes == summed and offset == summed_from and last == summed_to then return last_sum end
     for at = offset + 1, last, CHUNK do
       sum = total(sum, byte(bytes, at, min(at + CHUNK - 1, last)))
     end
-    return sum % 256
+    summed, summed_from, summed_to, last_sum = bytes, offset, last, sum % 256
+    return last_sum
   end
 
   -- A whole telegram with start character, equal lengths and a zero sum.
@@ -3682,9 +3693,10 @@ do
   end
 
   local function tell_packed(tree, tvb)
+    if not counts then return end
     local parts, of_name = {}, {}
 
-    for which, times in pairs(counts or {}) do
+    for which, times in pairs(counts) do
       parts[#parts + 1], of_name[name_of[which]] = name_of[which], times
     end
     counts = nil
@@ -3704,7 +3716,7 @@ do
   -- them were on the line. Returns the words for the info column.
   function S.dissect_telegram(tvb, bytes, pinfo, parent, there)
     local declared = S.declared_length(bytes, 0)
-    local tree = parent:referenced(handle) and parent:add(sis, tvb()) or nil
+    local tree = is_referenced(parent, handle) and parent:add(sis, tvb()) or nil
 
     body.tvb, body.bytes, body.pinfo = tvb, bytes, pinfo
     body.tree, body.whole_tree, body.root = tree, tree, tree or parent
@@ -3752,7 +3764,7 @@ do
   end
 
   function S.dissect_packet(tvb, pinfo, tree)
-    local bytes, offset = tvb:raw(), 0
+    local bytes, offset = raw(tvb), 0
 
     S.begin_packet(pinfo)
     local there = T.reported_len(tvb)
@@ -11097,12 +11109,12 @@ do
 
   local function dissect_line(tvb, pinfo, tree, there)
     local root = tree and tree:add(sisascii, tvb())
-    local raw = tvb:raw()
-    local bytes = match(raw, "^(.-)[\r\n]*$")
+    local whole = raw(tvb)
+    local bytes = match(whole, "^(.-)[\r\n]*$")
     local line = {tvb = tvb, tree = root, root = root, length = #bytes, words = "", marks = "",
       times = S.times(tvb, there, there)}
 
-    if is_whole(raw, there) then
+    if is_whole(whole, there) then
       line.said = read_line(S.text(bytes))
       line.unit = S.ascii_find(pinfo, line.said, line.times)
     else

@@ -185,26 +185,24 @@ character_text(wmem_allocator_t *scope, unsigned number, uint8_t value, const ch
                             : wmem_strdup(scope, text);
 }
 
-/* Their names stand in the line of the character: the items are for filters. */
 static void
 add_flags(proto_tree *tree, proto_item *character, tvbuff_t *tvb, unsigned offset, uint8_t flag)
 {
-    proto_item_set_hidden(proto_tree_add_uint(tree, hf_sertap_flags, tvb, offset, 1, flag));
+    proto_tree_add_uint(tree, hf_sertap_flags, tvb, offset, 1, flag);
     for (unsigned i = 0; flag != 0 && i < array_length(flags); i++) {
         if (!(flag & flags[i].flag))
             continue;
         proto_item_append_text(character, ", %s", flags[i].text);
-        proto_item_set_hidden(proto_tree_add_boolean(tree, *flags[i].hf, tvb, offset, 1, flags[i].flag));
+        proto_tree_add_boolean(tree, *flags[i].hf, tvb, offset, 1, flags[i].flag);
     }
 }
 
-/* One line, and its items for filters. A character says nothing if it has no flag and came about as long
- * after the one before it as it takes itself, `usual`: then its line is hidden, too. Returns whether it is.
- */
+/* A character says nothing if it has no flag and came about as long after the one before it as it takes
+ * itself, `usual`: then it is there for filters, and hidden. Returns whether it is. */
 static bool
 add_character(proto_tree *tree, packet_info *pinfo, const sertap_record_t *record, unsigned at, int64_t usual)
 {
-    unsigned data_at = record->data_offset + at;
+    unsigned data_at = record->data_offset + at, time_at = record->times_offset + 4 * at;
     uint8_t value = compat_get_uint8(record->tvb, data_at), flag = sertap_flags(record, at);
     int64_t interval = sertap_interval(record, at);
     bool is_usual = at > 0 && flag == 0 && 2 * ABS(interval - usual) < usual;
@@ -213,16 +211,17 @@ add_character(proto_tree *tree, packet_info *pinfo, const sertap_record_t *recor
     proto_item *ti = proto_tree_add_uint(tree, hf_sertap_character, record->tvb, data_at, 1, value);
     proto_tree *subtree = proto_item_add_subtree(ti, ett_sertap_character);
 
-    if (is_usual)
+    if (is_usual) {
         proto_item_set_hidden(ti);
-    else
-        proto_item_set_text(
-            ti, "%s",
-            character_text(pinfo->pool, at + 1, value,
-                           flag & SERTAP_INTERVAL_UNKNOWN ? NULL : interval_text(pinfo, interval, is_known)));
-    if (!(flag & SERTAP_INTERVAL_UNKNOWN))
-        proto_item_set_hidden(proto_tree_add_time(subtree, hf_sertap_interval, record->tvb,
-                                                  record->times_offset + 4 * at, 4, &since));
+        proto_tree_add_time(subtree, hf_sertap_interval, record->tvb, time_at, 4, &since);
+    } else {
+        const char *text = flag & SERTAP_INTERVAL_UNKNOWN ? NULL : interval_text(pinfo, interval, is_known);
+
+        proto_item_set_text(ti, "%s", character_text(pinfo->pool, at + 1, value, text));
+        if (text != NULL)
+            proto_tree_add_time_format_value(subtree, hf_sertap_interval, record->tvb, time_at, 4, &since,
+                                             "%s", text);
+    }
     add_flags(subtree, ti, record->tvb, record->flags_offset + at, flag);
     return is_usual;
 }
