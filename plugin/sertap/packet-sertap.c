@@ -279,8 +279,8 @@ add_characters(proto_tree *tree, packet_info *pinfo, const sertap_record_t *reco
     for (unsigned i = 0; i < record->timed; i++)
         usual += add_character(subtree, pinfo, record, i, character);
     if (usual > 0)
-        proto_item_append_text(ti, ", %u of %u intervals of about one character (%s)", usual, record->timed - 1,
-                               sertap_ms_text(pinfo->pool, character));
+        proto_item_append_text(ti, ", %u of %u intervals of about one character (%s)", usual,
+                               record->timed - 1, sertap_ms_text(pinfo->pool, character));
 }
 
 /* One item and one mark for each kind of error, however many characters have it. */
