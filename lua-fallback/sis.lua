@@ -2836,8 +2836,8 @@ do
     return (is_longer and "more than " or "") .. T.ms_text(interval)
   end
 
-  -- A character says nothing if it has no flag and came about as long after the one before it as it takes itself: then it
-  -- is there for filters, and hidden. Returns whether it is.
+  -- A character says nothing if it has no flag and came about as long after the one before it as it takes itself: then
+  -- it is there for filters, and hidden. Returns whether it is.
   local function add_character(tree, tvb, record, index)
     local data_at, time_at = record.data_offset + index, record.times_offset + 4 * index
     local flags_at, usual = record.flags_offset + index, record.character_ns
