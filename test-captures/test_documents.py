@@ -19,7 +19,7 @@ CODE = re.compile(r"`([^`\n]+)`|^ {4}(.+)$", re.MULTILINE)
 PROTOCOLS = r"(?:sis|sertap|synax\w*|3964r|rk512i|arcnet7f|sisascii)"
 NAME = re.compile(rf"(?<![\w./-]){PROTOCOLS}[.]\w+(?:[.]\w+)*(?![\w/])")
 FILES = {"sis.so", "sis.lua", "sis.dll", "sis.html"}
-OF_THE_SCRIPT = {"sis.statistics"}  # a preference
+OF_THE_SCRIPT = {"sis.statistics", "sis.fields"}  # preferences
 
 pytestmark = pytest.mark.style
 
