@@ -8,6 +8,10 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#endif
 
 #include <epan/epan_dissect.h>
 #include <epan/print.h>
@@ -442,6 +446,9 @@ listen(rows_t *rows, char *const *names)
     GString *filter = g_string_new(NULL);
     GString *error;
 
+#ifdef _WIN32
+    _setmode(_fileno(stdout), _O_BINARY); /* else a byte 0A would come as 0D 0A */
+#endif
     printf(NAME " " VERSION);
     for (; *names != NULL; names++)
         add_column(rows, *names, filter);
