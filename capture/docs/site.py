@@ -33,7 +33,7 @@ CHAPTERS = {
     "Analyse": "capture/docs/report capture/docs/kinds capture/docs/analyse capture/docs/logs capture/docs/import"
     " capture/docs/usb capture/sistap/commands/tables/README",
     "Wireshark": "plugin/README plugin/docs/filters plugin/docs/statistics plugin/docs/verdicts plugin/docs/telegrams"
-    " plugin/docs/exchanges plugin/docs/synax200 plugin/docs/synax200-objects plugin/docs/record"
+    " plugin/docs/exchanges plugin/docs/synax200 plugin/docs/synax200-objects plugin/docs/record plugin/docs/rows"
     " lua-fallback/README lua-fallback/page/README",
     "Reference": "plugin/REFERENCE capture/docs/commands capture/docs/commands/*"
     " capture/sisbus/scenarios/README capture/sisbus/devices/sets/README"
