@@ -51,7 +51,7 @@ if sys.platform != "win32":
     import termios
     import tty
 
-    from sistap.tap.line.reader.device import PosixReader
+    from sistap.tap.line.reader.several import PolledReaders
 
 START_NS = 1_700_000_000_000_000_000
 ALL = list(TELEGRAMS.values())
@@ -191,11 +191,11 @@ def test_a_port_is_put_back_when_a_signal_ends_a_capture(
     monkeypatch.setattr(ports, "SYSFS", tmp_path)
     monkeypatch.setattr(latency, "measured_ns", lambda: 0)
 
-    def read(reader: PosixReader, timeout_s: float) -> None:
+    def read(reader: PolledReaders, timeout_s: float) -> None:
         assert timer.read_text() == "1"
         signal.raise_signal(number)
 
-    monkeypatch.setattr(PosixReader, "read", read)
+    monkeypatch.setattr(PolledReaders, "read", read)
     assert cli.main(["capture", "-i", os.ttyname(slave), "-q"]) == 0
     assert timer.read_text() == "16"
     for descriptor in (master, slave):
