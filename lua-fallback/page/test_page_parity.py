@@ -28,7 +28,7 @@ OURS = ("sertap", "sis", "sisascii", "3964r", "rk512i", "arcnet7f", "synaxpk", "
 TREES = 500  # of a capture; only lessons 19 and 20 have more packets
 # Tables that a user edits, which Lua cannot have. Of this one sis.lua reads the file, as the plugin does.
 TABLE = "uat:sis_parameters:"
-OF_LINK_TYPES = "uat:user_dlts:"
+OF_LINK_TYPES = "uat:user_dlts:"  # Wireshark's own: it reads the file itself
 # The other one has no effect with sis.lua, in tshark or in the page: its file is not read (README.md of lua-fallback).
 OF_PLUGIN = "uat:synax_process_data:"
 # Decode As, in wiregasm and Wireshark a file of the profile; the page's own line of it.
