@@ -40,7 +40,10 @@ def read(tshark: Tshark, capture: Path, more: Sequence[str] = ()) -> list[Packet
 
 
 def plain(packet: Packet, is_asked: bool) -> Packet:
-    """Return a packet without columns that nobody looks at, and with its load as `-T fields` prints it."""
+    """Return a packet without columns that nobody looks at, and with its load as `-T fields` prints it.
+
+    Wireshark 4.2 and later print a backslash twice there.
+    """
     telegrams = [
         replace(
             one,
@@ -49,7 +52,13 @@ def plain(packet: Packet, is_asked: bool) -> Packet:
         )
         for one in packet.telegrams
     ]
-    return replace(packet, telegrams=telegrams, columns={}, characters=packet.characters if is_asked else b"")
+    return replace(
+        packet,
+        text=packet.text.replace("\\\\", "\\"),
+        telegrams=telegrams,
+        columns={},
+        characters=packet.characters if is_asked else b"",
+    )
 
 
 def assert_alike(found: Sequence[Packet], expected: Sequence[Packet], is_asked: bool = False) -> None:
