@@ -42,7 +42,7 @@ def read(tshark: Tshark, capture: Path, more: Sequence[str] = ()) -> list[Packet
 def plain(packet: Packet, is_asked: bool) -> Packet:
     """Return a packet without columns that nobody looks at, and with its load as `-T fields` prints it.
 
-    Wireshark 4.2 and later print a backslash twice there.
+    Wireshark 4.2 and later print a backslash twice there, and 07 as a letter.
     """
     telegrams = [
         replace(
@@ -54,7 +54,7 @@ def plain(packet: Packet, is_asked: bool) -> Packet:
     ]
     return replace(
         packet,
-        text=packet.text.replace("\\\\", "\\"),
+        text=packet.text.replace("\\\\", "\\").replace("\\a", "\\x07"),
         telegrams=telegrams,
         columns={},
         characters=packet.characters if is_asked else b"",
