@@ -56,9 +56,9 @@ class Framer(ABC):
             times.append(time_ns)
             flags = bytes([flags[0] | Flag.INTERVAL_UNKNOWN]) + flags[1:]
         last_ns = times[-1]
-        if time_ns < last_ns:  # a clock that goes back (another computer's) must not end the capture
-            time_ns = last_ns
         pause_ns = time_ns - last_ns
+        if pause_ns < 0:  # a clock that goes back (another computer's) must not end the capture
+            time_ns, pause_ns = last_ns, 0
         if count > 1:  # the first of k characters came at least k - 1 character times before the last
             pause_ns -= (count - 1) * self.settings.character_ns
             flags = flags[:1] + flags[1:].translate(_WITH_SAME_READ)

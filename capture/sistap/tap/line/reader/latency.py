@@ -39,9 +39,9 @@ class Bound(NamedTuple):
     def ns(self, machine_ns: int) -> int:
         """Return it in ns, with the delay of this computer that holds now."""
         bound_ns = self.held_ns + machine_ns
-        if bound_ns < self.least_ns:
-            bound_ns = self.least_ns
-        return bound_ns if bound_ns < UNCERTAINTY_UNKNOWN else UNCERTAINTY_UNKNOWN
+        if self.least_ns <= bound_ns <= UNCERTAINTY_UNKNOWN:
+            return bound_ns
+        return min(max(bound_ns, self.least_ns), UNCERTAINTY_UNKNOWN)
 
 
 def known() -> Known:
