@@ -141,7 +141,7 @@ class PolledReaders:
 
     def _wait(self, timeout_s: float) -> None:
         """Take what is there, else what comes in that time."""
-        if self._take(self._poll.poll(0), 0):
+        if (ready := self._poll.poll(0)) and self._take(ready, 0):
             return
         end_ns, left_ms = monotonic_ns() + int(timeout_s * 1e9), ceil(timeout_s * 1000)
         while left_ms > 0 and not self._sleep(STEP_MS if left_ms > STEP_MS else left_ms):
