@@ -1194,6 +1194,9 @@ K.MOST_PARAMETER_WRITTEN = 234
 -- Bytes of a command of Telnet. More means that its end was lost.
 K.MOST_TELNET = 64
 
+-- The time of a character at most, in ns: 12 bits at 9600 Bd. SIS knows no slower rate (chapter 7.1).
+K.LONGEST_CHARACTER = 1250000
+
 -- Bytes of a line of the ASCII protocol, as in capture/sistap/tap/records/framer.py. TCP waits for the rest of fewer.
 K.SISASCII_MOST_LINE = 4096
 
@@ -7213,7 +7216,6 @@ end
 -- uncertainty was too small. Neighbouring reads bound each other in the same way.
 
 K.ANY_TIME = math.huge -- the most, where there is no bound
-K.LONGEST_CHARACTER = 1250000 -- ns: of 12 bits at 9600 Bd; SIS knows no slower rate (chapter 7.1)
 K.SET_BACK = -math.huge -- the least of a duration during which the clock was set back
 -- Where a duration begins to count: the preference sis.tza_from.
 K.FROM_UNKNOWN, K.FROM_END, K.FROM_START = 0, 1, 2

@@ -12,7 +12,7 @@ import time
 import tty
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,6 +20,7 @@ from sistap.tap.line.settings import LineSettings
 
 HERE = Path(__file__).parent
 SETTINGS = LineSettings(115200, 8, "E", 2)
+LOOK_S = 1.0
 PATIENCE_S = 20  # for actions that take no time
 
 Program = subprocess.Popen[str]
@@ -37,12 +38,18 @@ class Terminal(NamedTuple):
     path: str
 
 
-class Played(NamedTuple):
-    """When each terminal got each character (wall clock, ns), and each listener's share of a core."""
+class Look(NamedTuple):
+    """The processor time that each listener had used by then (wall clock), in ns."""
 
-    elapsed_s: float
+    time_ns: int
+    used_ns: list[int]
+
+
+class Played(NamedTuple):
+    """When each terminal got each character (wall clock, ns), and a look each second."""
+
     instants_ns: list[list[int]]
-    shares: list[float]
+    looks: list[Look]
 
 
 @contextmanager
@@ -100,12 +107,15 @@ def play(folder: Path, characters: bytes, ends: Sequence[Terminal], listeners: l
     masters = [end.master for end in ends]
     files = str(folder / "characters"), str(folder / "instants")
     command = [compile_into(folder, "writer"), *files, *times_ns, *map(str, masters)]
-    before_s = [_cpu_s(listener) for listener in listeners]
-    started_s = time.monotonic()
-    subprocess.run(command, check=True, pass_fds=masters)
-    elapsed_s = time.monotonic() - started_s
-    shares = [(_cpu_s(listener) - before) / elapsed_s for listener, before in zip(listeners, before_s, strict=True)]
-    return Played(elapsed_s, columns(folder / "instants", len(ends)), shares)
+    looks = [_look(listeners)]
+    with subprocess.Popen(command, pass_fds=masters) as writer:
+        while writer.poll() is None:
+            with suppress(subprocess.TimeoutExpired):
+                writer.wait(LOOK_S)
+            looks.append(_look(listeners))
+    if writer.returncode:
+        raise Broken(f"writer.c ended with exit code {writer.returncode}")
+    return Played(columns(folder / "instants", len(ends)), looks)
 
 
 def columns(file: Path, count: int) -> list[list[int]]:
@@ -114,7 +124,11 @@ def columns(file: Path, count: int) -> list[list[int]]:
     return [list(numbers[i::count]) for i in range(count)]
 
 
-def _cpu_s(process: Program) -> float:
-    """Return the processor time of a running process, user and system."""
-    fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+def _look(listeners: Iterable[Program]) -> Look:
+    return Look(time.time_ns(), [_used_ns(listener) for listener in listeners])
+
+
+def _used_ns(process: Program) -> int:
+    """Return the processor time of a running process, user and system, of all its threads."""
+    threads = Path(f"/proc/{process.pid}/task").glob("*/schedstat")
+    return sum(int(thread.read_text().split()[0]) for thread in threads)

@@ -46,6 +46,9 @@
 /* Bytes of a command of Telnet. More means that its end was lost. */
 #define SIS_MOST_TELNET 64
 
+/* The time of a character at most, in ns: 12 bits at 9600 Bd. SIS knows no slower rate (chapter 7.1). */
+#define SIS_LONGEST_CHARACTER 1250000
+
 /* Bytes of a line of the ASCII protocol, as in capture/sistap/tap/records/framer.py. TCP waits for the
  * rest of fewer. */
 #define SISASCII_MOST_LINE 4096

@@ -7,13 +7,11 @@
  * uncertainty, the uncertainty was too small. Neighbouring reads bound each other in the same way. */
 #include "sis/times.h"
 
+#include "protocol/limits.h"
 #include "sis/frame.h"
 
 /* Character times are taken slightly short: a transmitter may be that much faster than its nominal rate. */
 #define SHORTEST_CHARACTER(ns) ((ns)*98 / 100)
-
-/* Of 12 bits at 9600 Bd: SIS knows no slower rate (chapter 7.1). In ns. */
-#define LONGEST_CHARACTER INT64_C(1250000)
 
 /* The number of characters of the telegram from the read that begins with `character`. */
 static unsigned
@@ -284,7 +282,7 @@ sis_judge(sis_span_t span, int64_t limit)
 sis_readings_t
 sis_judge_both(sis_span_t whole, int64_t character, int64_t limit)
 {
-    int64_t longest = character > 0 ? character : LONGEST_CHARACTER;
+    int64_t longest = character > 0 ? character : SIS_LONGEST_CHARACTER;
     sis_span_t idle = {MAX(whole.least, longest) - longest, whole.most};
 
     if (whole.most != SIS_ANY_TIME)

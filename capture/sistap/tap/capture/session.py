@@ -161,7 +161,7 @@ class Capture:
 
     def turn(self, most_s: float = READ_TIMEOUT_S) -> bool:
         """Take one read, or act on the time while nothing comes for so long; tell whether anything came."""
-        read = self._read(min(self._timeout_s(), most_s))
+        read = self._read(min(self._timeout_s(self._steering), most_s) if self._steering else most_s)
         now = self._clock_ns()
         if read is not None:
             self._take(read, now)
@@ -229,8 +229,8 @@ class Capture:
         rates = (reader.measured_baud() for reader in self._readers if isinstance(reader, Measuring))
         return next((rate for rate in rates if rate), None)
 
-    def _timeout_s(self) -> float:
-        due_ns = self._steering.due_ns if self._steering else None
+    def _timeout_s(self, steering: Steering) -> float:
+        due_ns = steering.due_ns
         return READ_TIMEOUT_S if due_ns is None else min(READ_TIMEOUT_S, max(0, due_ns - self._tap.wall_ns()) / 1e9)
 
     def _steer(self, steering: Steering) -> None:

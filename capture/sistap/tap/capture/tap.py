@@ -157,7 +157,8 @@ class Tapping:
         if self._several:
             self._lines[read.line].counters.add_read(read)
         completed = self._assembler.take(read, now, why)
-        self._write_due()
+        if self._assembler.holds:
+            self._write_due()
         return completed
 
     def idle(self, now: int) -> list[tuple[int, list[Record]]]:

@@ -124,8 +124,10 @@ class Clock:
 
     def _slewed(self, elapsed: int) -> int:
         """Return how far the offset has moved since the last look, of what it was behind."""
-        most = max(0, elapsed) * SLEW_PPM // 1_000_000
-        return min(self._behind, most) if self._behind > 0 else max(self._behind, -most)
+        behind, most = self._behind, elapsed * SLEW_PPM // 1_000_000 if elapsed > 0 else 0
+        if -most <= behind <= most:
+            return behind
+        return most if behind > 0 else -most
 
     def _check(self, monotonic_ns: int) -> None:
         self._offset += self._slewed(monotonic_ns - self._from)

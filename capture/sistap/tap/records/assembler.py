@@ -88,6 +88,11 @@ class Assembler:
         """Tell whether all characters are in records."""
         return all(line.framer.empty for line in self._lines.values())
 
+    @property
+    def holds(self) -> bool:
+        """Tell whether it has records, which may be due."""
+        return not self._order.empty
+
     def settings(self, number: int) -> LineSettings:
         """Return the present settings of a line."""
         return self._lines[number].framer.settings
@@ -151,6 +156,4 @@ class Assembler:
 
     def due(self, now_ns: int) -> Iterable[Record]:
         """Return the records that wait for none of another line any more, in order of their times."""
-        if self._order.empty:
-            return ()
         return self._order.due((line.framer.oldest_ns for line in self._lines.values()), now_ns)

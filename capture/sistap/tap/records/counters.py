@@ -69,7 +69,7 @@ class Counters:
         """Count the characters of a read, or of a record."""
         self.characters += len(read.flags)  # each has one; the text of an event has none
         flags = read.flags
-        if flags.count(0) != len(flags):
+        if any(flags):
             self.faulty_characters += faulty(read)
             self.breaks += sum(flags.translate(_IS_BREAK))
             self.gaps[read.line] += sum(flags.translate(_IS_GAP))

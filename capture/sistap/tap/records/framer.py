@@ -56,18 +56,18 @@ class Framer(ABC):
             times.append(time_ns)
             flags = bytes([flags[0] | Flag.INTERVAL_UNKNOWN]) + flags[1:]
         last_ns = times[-1]
-        time_ns = max(time_ns, last_ns)  # a clock that goes back (another computer's) must not end the capture
         pause_ns = time_ns - last_ns
-        if following := flags[1:]:
-            # The first of k characters came at least k - 1 character times before the last.
-            pause_ns -= len(following) * self.settings.character_ns
-            flags = flags[:1] + following.translate(_WITH_SAME_READ)
+        if pause_ns < 0:  # a clock that goes back (another computer's) must not end the capture
+            time_ns, pause_ns = last_ns, 0
+        if count > 1:  # the first of k characters came at least k - 1 character times before the last
+            pause_ns -= (count - 1) * self.settings.character_ns
+            flags = flags[:1] + flags[1:].translate(_WITH_SAME_READ)
         if self._silent(pause_ns, uncertainty_ns):
             records = self.flush()
         self._data += data
         self._flags += flags
-        times.extend([time_ns] * count)
-        self._uncertainties.extend([uncertainty_ns] * count)
+        times += [time_ns] * count
+        self._uncertainties += [uncertainty_ns] * count
         if len(self._data) >= self._needed:
             self._cut(records, final=False)
         return records
@@ -119,10 +119,9 @@ class Framer(ABC):
         times = self._times
         intervals = [later - earlier for earlier, later in pairwise(times[start : end + 1])]
         flags = self._flags[start:end]
-        for i, interval in enumerate(intervals):
-            if interval > INTERVAL_MAX:
-                intervals[i] = INTERVAL_MAX
-                flags[i] |= Flag.INTERVAL_SATURATED
+        for i in [i for i, interval in enumerate(intervals) if interval > INTERVAL_MAX]:
+            intervals[i] = INTERVAL_MAX
+            flags[i] |= Flag.INTERVAL_SATURATED
         return Record(
             times[start + 1],
             kind,

@@ -146,8 +146,8 @@ class Computer:
     @property
     def late_ns(self) -> int:
         """Return the bound that holds now, in ns."""
-        waiting_ns = monotonic_ns() - self._sent_ns if self._sent_ns else 0
-        return max(self._longest[0][1] if self._longest else 0, waiting_ns)
+        longest_ns = self._longest[0][1] if self._longest else 0
+        return max(longest_ns, monotonic_ns() - self._sent_ns) if self._sent_ns else longest_ns
 
     def fileno(self) -> int:
         """Return the descriptor to poll."""

@@ -161,6 +161,9 @@ def _error_counters(fd: int) -> Counts | None:
     return Counts(frame, overrun, parity, breaks, buffer_overrun)
 
 
+_UNMARKED = bytes(256)  # the flags of any character without a mark
+
+
 class MarkDecoder:
     """Removes the error marks of PARMRK from what a terminal delivers (termios(3)), wherever a read cuts them.
 
@@ -174,10 +177,9 @@ class MarkDecoder:
         """Return the characters and, for each, its Flag."""
         if self.pending:
             data, self.pending = self.pending + data, b""
-        at = data.find(0xFF)
-        if at < 0:
-            return data, bytes(len(data))
-        characters, flags, start = bytearray(), bytearray(), 0
+        if 0xFF not in data:
+            return data, data.translate(_UNMARKED)
+        characters, flags, start, at = bytearray(), bytearray(), 0, data.find(0xFF)
         while at >= 0:
             characters += data[start:at]
             flags += bytes(at - start)

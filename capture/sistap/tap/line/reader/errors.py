@@ -89,7 +89,7 @@ class Errors:
     def __init__(self, count: Callable[[], Counts | None], driver: Driver) -> None:
         """`count` reads the counters of the driver."""
         self._count = count
-        self._counted = count()
+        self._counted = count()  # None: this driver never counts
         self._finder = _FINDERS[driver.place](driver)
         self._begins = driver.begins_late
         self._held: deque[_Held] = deque()
@@ -100,7 +100,7 @@ class Errors:
 
         `slept`: the process did, until it came.
         """
-        moved = self._moved()
+        moved = self._moved(self._counted) if self._counted else _NOTHING
         self._silence_ns = 0
         false_first, self._begins = self._begins and not read.data[0], False
         if moved is _NOTHING and not (self._held or any(read.flags) or self._finder.expects or false_first):
@@ -139,10 +139,7 @@ class Errors:
         """Return all waiting reads."""
         return self.silent(SILENCE_NS)
 
-    def _moved(self) -> Counts:
-        before = self._counted
-        if before is None:  # this driver never counts
-            return _NOTHING
+    def _moved(self, before: Counts) -> Counts:
         now = self._count()
         if now is None or now == before:
             return _NOTHING

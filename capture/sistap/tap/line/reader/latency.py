@@ -38,7 +38,10 @@ class Bound(NamedTuple):
 
     def ns(self, machine_ns: int) -> int:
         """Return it in ns, with the delay of this computer that holds now."""
-        return min(max(self.held_ns + machine_ns, self.least_ns), UNCERTAINTY_UNKNOWN)
+        bound_ns = self.held_ns + machine_ns
+        if self.least_ns <= bound_ns <= UNCERTAINTY_UNKNOWN:
+            return bound_ns
+        return min(max(bound_ns, self.least_ns), UNCERTAINTY_UNKNOWN)
 
 
 def known() -> Known:
@@ -89,9 +92,10 @@ def uncertainty_ns(  # noqa: PLR0913 - everything known about a read
     """
     character_ns = settings.character_ns if count > 1 else 0
     if not in_time or (count - 1) * character_ns > latency_ns or unseen_ns > sleep_ns + latency_ns:
-        return min(latency_ns + unseen_ns, UNCERTAINTY_UNKNOWN)
-    # Several at once: the reader was woken late, and the last character waited for up to one more.
-    return min(latency_ns + character_ns, UNCERTAINTY_UNKNOWN)
+        latency_ns += unseen_ns
+    else:  # several at once: the reader was woken late, and the last character waited for up to one more
+        latency_ns += character_ns
+    return latency_ns if latency_ns < UNCERTAINTY_UNKNOWN else UNCERTAINTY_UNKNOWN
 
 
 def port_conditions(behind: Adapter, settings: LineSettings) -> measurement.Conditions:

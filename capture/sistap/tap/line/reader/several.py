@@ -14,6 +14,7 @@ import time
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from math import ceil
 from queue import Empty, SimpleQueue
 from typing import Protocol, runtime_checkable
 
@@ -26,6 +27,9 @@ if sys.platform == "win32":  # it has no poll, and does not need it
     _TO_READ = 0
 else:
     _TO_READ = select.POLLIN
+
+
+Ready = list[tuple[int, int]]  # descriptors, as poll returns them
 
 
 class Source(Protocol):
@@ -136,45 +140,57 @@ class PolledReaders:
         return None
 
     def _wait(self, timeout_s: float) -> None:
-        end_ns, step_ms = monotonic_ns() + int(timeout_s * 1e9), 0
-        while not self._look(step_ms):
+        """Take what is there, else what comes in that time."""
+        if (ready := self._poll.poll(0)) and self._take(ready, 0):
+            return
+        end_ns, left_ms = monotonic_ns() + int(timeout_s * 1e9), ceil(timeout_s * 1000)
+        while left_ms > 0 and not self._sleep(STEP_MS if left_ms > STEP_MS else left_ms):
             left_ms = -((monotonic_ns() - end_ns) // 1_000_000)  # rounded up
-            if left_ms <= 0:
-                return
-            step_ms = min(STEP_MS, left_ms)
 
-    def _look(self, step_ms: int, *, has_slept: bool = False) -> bool:
-        """Take what comes within the step; tell whether anything did. `has_slept`: the process has, just before."""
+    def _sleep(self, step_ms: int) -> bool:
+        """Take what comes within the step, now that nothing is there; tell whether anything came."""
         asked_ns = monotonic_ns()
-        for beside in self._beside if step_ms else ():
-            step_ms = min(step_ms, beside.before_sleep(asked_ns))
-        ready = [descriptor for descriptor, _ in self._poll.poll(step_ms)]
-        slept_ns = max(monotonic_ns() - asked_ns, 1) if step_ms else 0
-        for descriptor in ready:  # before anything else: it gets its time here
-            self._take(descriptor, slept_ns)
-        for beside in self._beside if step_ms and not ready else ():
-            beside.note(slept_ns - step_ms * 1_000_000)
-        if silent := self._readers.keys() - ready if slept_ns or has_slept else ():
-            silent_ns = asked_ns if ready else asked_ns + step_ms * 1_000_000  # poll looks once more when time is up
-            for descriptor in silent:
-                self._reads.extend(self._readers[descriptor].nothing_until(silent_ns, slept_ns or 1))
-            if slept_ns and ready:
-                self._look(0, has_slept=True)  # note until when the others were silent
+        for beside in self._beside:
+            most_ms = beside.before_sleep(asked_ns)
+            step_ms = most_ms if most_ms < step_ms else step_ms
+        ready = self._poll.poll(step_ms)
+        slept_ns = monotonic_ns() - asked_ns or 1
+        came = self._take(ready, slept_ns)  # before anything else: it gets its time here
+        if ready and self._readers.keys() <= dict(ready).keys():
+            return came
+        if ready:
+            self._note_silence(ready, asked_ns, slept_ns)
+            asked_ns, slept_ns = monotonic_ns(), 1
+            ready = self._poll.poll(0)  # until when were the others silent?
+            self._take(ready, 0)
+        else:
+            for beside in self._beside:
+                beside.note(slept_ns - step_ms * 1_000_000)
+            asked_ns += step_ms * 1_000_000  # poll looks once more when time is up
+        self._note_silence(ready, asked_ns, slept_ns)
         return bool(self._reads or self._lost)
 
-    def _take(self, descriptor: int, slept_ns: int) -> None:
-        reader = self._polled[descriptor]
-        try:
-            self._reads.extend(reader.read_now(slept_ns))
-        except PortLost as lost:
-            assert isinstance(reader, Pollable)
-            if reader.beside:
-                self._beside.discard(reader.beside)
-            for polled in _both(reader):
-                self._poll.unregister(polled.fileno())
-                del self._polled[polled.fileno()]
-            del self._readers[descriptor]
-            self._lost.append(lost)
+    def _note_silence(self, ready: Ready, time_ns: int, slept_ns: int) -> None:
+        """Tell the readers that are not ready that nothing was unread at that time, just after a sleep."""
+        for descriptor in self._readers.keys() - dict(ready).keys():
+            self._reads.extend(self._readers[descriptor].nothing_until(time_ns, slept_ns))
+
+    def _take(self, ready: Ready, slept_ns: int) -> bool:
+        """Take what is there; tell whether anything is to be told."""
+        for descriptor, _ in ready:
+            reader = self._polled[descriptor]
+            try:
+                self._reads.extend(reader.read_now(slept_ns))
+            except PortLost as lost:
+                assert isinstance(reader, Pollable)
+                if reader.beside:
+                    self._beside.discard(reader.beside)
+                for polled in _both(reader):
+                    self._poll.unregister(polled.fileno())
+                    del self._polled[polled.fileno()]
+                del self._readers[descriptor]
+                self._lost.append(lost)
+        return bool(self._reads or self._lost)
 
 
 def _both(reader: Pollable) -> tuple[Polled, ...]:
