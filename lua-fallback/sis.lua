@@ -2649,16 +2649,21 @@ do
     return record.intervals
   end
 
-  -- The same of one character; they count from 0.
+  -- The same of one character, without a table; they count from 0.
   function T.interval_of(record, character)
-    return T.intervals(record)[character + 1]
+    local at = record.times_offset + 4 * character + 1
+    local a, b, c, d = byte(record.bytes, at, at + 3)
+
+    return ((a * 256 + b) * 256 + c) * 256 + d
   end
 
   -- ns from the first character to another. The requests for a packet come in order: each goes on from the last.
   function T.since_first(record, character)
+    local intervals = T.intervals(record)
+
     if character < record.reached then record.reached, record.reached_ns = 0, 0 end
     for i = record.reached + 1, character do
-      record.reached_ns = record.reached_ns + T.interval_of(record, i)
+      record.reached_ns = record.reached_ns + intervals[i + 1]
     end
     record.reached = character
     return record.reached_ns
@@ -2833,10 +2838,10 @@ do
   function T.longest(record)
     if record.longest then return record.longest, record.longest_at end
     local may_be_lost = band(record.flags, K.SERTAP_ERROR_LOST) ~= 0
-    local longest, longest_at = 0, 0
+    local longest, longest_at, intervals = 0, 0, T.intervals(record)
 
     for character = 1, record.timed - 1 do
-      local interval = T.interval_of(record, character)
+      local interval = intervals[character + 1]
 
       if interval > longest and not (may_be_lost and band(T.flags_of(record, character), K.SERTAP_ERROR_LOST) ~= 0) then
         longest, longest_at = interval, character
@@ -2887,6 +2892,7 @@ do
   end
 
   local function add_interval_max(tree, tvb, record)
+    if unwanted[FT.interval_max] then return end
     local longest, at = T.longest(record)
 
     if at > 0 then
@@ -2897,9 +2903,9 @@ do
 
   -- Whether the characters are displayed or filtered. Usually a large file needs neither, and a record has five items
   -- for each character.
-  local function are_characters_wanted(tree)
+  local function are_characters_wanted(tree, record)
     if is_wanted(tree, FT.character) or is_wanted(tree, FT.interval) or is_wanted(tree, FT.flags) then return true end
-    for _, known in ipairs(flags) do
+    for _, known in ipairs(record.flags ~= 0 and flags or {}) do
       if is_wanted(tree, known.field) then return true end
     end
     return false
@@ -2909,13 +2915,18 @@ do
     local length, usual = record.flags_offset + record.timed - record.data_offset, 0
 
     add_interval_max(tree, tvb, record)
-    if not are_characters_wanted(tree) then return end
+    if not are_characters_wanted(tree, record) then return end
     local subtree = add_subtree(tree, tvb, record.data_offset, length,
       strformat("%d character%s", record.timed, plural(record.timed)))
+    local intervals, are_enough = T.intervals(record), unwanted[FT.character] and unwanted[FT.flags]
     for index = 0, record.timed - 1 do
-      if add_character(subtree, tvb, record, index) then usual = usual + 1 end
+      if are_enough and index > 0 and T.flags_of(record, index) == 0 then
+        add(subtree, FT.interval, tvb, record.times_offset + 4 * index, 4, nstime(intervals[index + 1]))
+      elseif add_character(subtree, tvb, record, index) then
+        usual = usual + 1
+      end
     end
-    if usual > 0 then
+    if usual > 0 and are_texts_read then
       append_text(subtree, strformat(", %d of %d intervals of about one character (%s)", usual, record.timed - 1,
         T.ms_text(record.character_ns)))
     end
@@ -3103,7 +3114,7 @@ do
 
   function sertap.dissector(tvb, pinfo, parent)
     local bytes, there = raw(tvb), reported_len(tvb)
-    local tree = (#bytes > 0 or there == 0) and is_referenced(parent, handle) and parent:add(sertap, tvb()) or nil
+    local tree = (#bytes > 0 or there == 0) and is_referenced(parent, handle) and item_add(parent, sertap, tvb()) or nil
     local root = tree or parent
     local record = #bytes >= RECORD_HEADER_SIZE and record_of(sub(bytes, 1, RECORD_HEADER_SIZE))
     local can_be_read, is_cut = is_quick(tree, record, bytes, there), false
@@ -3350,19 +3361,23 @@ do
     return N.message_kinds[S.receiver_kind(last)] or N.command_kinds[S.general_service(telegram.service)]
   end
 
+  local function control_text(telegram)
+    local kind = kind_of_command(telegram)
+
+    return strformat(" (%s%s)", telegram.is_reaction and "reaction" or "command", kind and ", " .. kind or "")
+  end
+
   local function dissect_control(body)
     local item
 
     if body.tree then
       local has_status = P.edition == K.ECODRIVE03 and body.telegram.is_reaction
-      local kind = kind_of_command(body.telegram)
 
       item = add(body.tree, F.control, body.tvb, 4, 1)
       for _, bit_field in ipairs(has_status and bits.reaction or bits[P.edition]) do
         add(item or body.tree, bit_field, body.tvb, 4, 1)
       end
-      append_text(item, strformat(" (%s%s)", body.telegram.is_reaction and "reaction" or "command",
-        kind and ", " .. kind or ""))
+      if item then append_text(item, control_text(body.telegram)) end
     end
     if body.telegram.control >= CONTROL_RESERVED then
       if P.edition == K.IF02 then dissect_control_if02(body, item) else dissect_control_ecodrive03(body, item) end
@@ -3728,7 +3743,7 @@ do
   -- them were on the line. Returns the words for the info column.
   function S.dissect_telegram(tvb, bytes, pinfo, parent, there)
     local declared = S.declared_length(bytes, 0)
-    local tree = is_referenced(parent, handle) and parent:add(sis, tvb()) or nil
+    local tree = is_referenced(parent, handle) and item_add(parent, sis, tvb()) or nil
 
     body.tvb, body.bytes, body.pinfo = tvb, bytes, pinfo
     body.tree, body.whole_tree, body.root = tree, tree, tree or parent
@@ -4749,14 +4764,18 @@ do
     return access.general == 0x1E or access.general == 0x1F
   end
 
+  local control_bits = {F.parameter_control_reserved, F.element, F.transmission}
+
   local function show_control(access)
     local body = access.body
 
-    for _, bit_field in ipairs({F.parameter_control_reserved, F.element, F.transmission}) do
+    for _, bit_field in ipairs(control_bits) do
       add(body.item or body.tree, bit_field, body.tvb, body.offset - 1, 1)
     end
-    append_text(body.item,
-      strformat(" (%s, %s)", N.elements[access.element], access.is_last and "last transmission" or "more follows"))
+    if body.item then
+      append_text(body.item,
+        strformat(" (%s, %s)", N.elements[access.element], access.is_last and "last transmission" or "more follows"))
+    end
   end
 
   -- Fig. 8-2: 1 to 254 are drives.
@@ -6654,6 +6673,12 @@ end
 --- parameters/ident: a parameter in the tree: its ident bit by bit (fig. 8-3), and what is known of it
 
 do
+  local known_parts = {} -- {its field, its name, the name of where it is from}
+
+  for _, part in ipairs({"name", "unit", "minimum", "maximum"}) do
+    known_parts[#known_parts + 1] = {F["parameter_" .. part], part, part .. "_from"}
+  end
+
   -- Adds sis.parameter, the parts of the ident, name, unit and limits. Returns its item. `place` is its place: offset
   -- and length (0: the command has it), type_at, number_at, is_big: the number word.
   function S.add_ident(tree, tvb, place, ident, known)
@@ -6669,10 +6694,10 @@ do
     else
       set_generated(item)
     end
-    for _, part in ipairs({"name", "unit", "minimum", "maximum"}) do
-      local made = add_generated(subtree, F["parameter_" .. part], tvb, known[part])
+    for _, part in ipairs(known_parts) do
+      local made = add_generated(subtree, part[1], tvb, known[part[2]])
 
-      if made then append_text(made, " (" .. known[part .. "_from"] .. ")") end
+      if made then append_text(made, " (" .. known[part[3]] .. ")") end
     end
     return item
   end
@@ -8148,7 +8173,7 @@ do
     t.trs = is_answer and telegram.subaddress_count == 0 and telegram.times.record
       and limit_of(t, K.TRS, P.trs_ms) or 0
     t.wait = exchange and not telegram.is_reaction and exchange.wait or -1
-    if telegram.times.record then t.busy, t.span = T.load() end
+    if telegram.times.record and not unwanted[F.bus_load] then t.busy, t.span = T.load() end
   end
 
   local function show(t)
