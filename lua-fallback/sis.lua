@@ -28,6 +28,7 @@ local band, bxor, lshift, rshift = bit.band, bit.bxor, bit.lshift, bit.rshift --
 -- Methods that every telegram needs: Wireshark takes as long to find one as to call it.
 local raw, reported_len, tvb_of = Tvb.raw, Tvb.reported_len, TvbRange.tvb
 local item_add, item_add_le, is_referenced = TreeItem.add, TreeItem.add_le, TreeItem.referenced
+local item_set_generated, item_set_hidden, new_time = TreeItem.set_generated, TreeItem.set_hidden, NSTime.new
 
 --- protocols: made by plugin/protocol/generate.py from protocols.toml; edit there
 
@@ -135,8 +136,8 @@ sis.prefs.fields = Pref.string("Fields to make", "",
 P.fields = ""
 
 -- Fields of sis and sertap that nobody reads, and protocols whose words nobody reads; whether somebody reads a field of
--- a part of a telegram.
-local unwanted, has_wanted = {}, {}
+-- a part of a telegram; whether a person may read the texts of items.
+local unwanted, has_wanted, are_texts_read = {}, {}, true
 
 -- The part by the first word of a field. All others are in the useful data; sis.service may be there, too (chapter 7).
 local part_of = {}
@@ -173,6 +174,7 @@ local function find_wanted()
       end
     end
   end
+  are_texts_read = not unwanted[sis] or not unwanted[sertap]
 end
 
 local function read_preferences()
@@ -266,11 +268,17 @@ local function add_le(tree, which, tvb, offset, length)
   return item_add_le(tree, which, tvb(offset, length))
 end
 
--- A field with its value, and after its name a text: strformat(...). Programs do not read it.
+-- A text of a format with its values, or of a function with its arguments.
+local function text_of(make, ...)
+  if type(make) == "function" then return make(...) end
+  return strformat(make, ...)
+end
+
+-- A field with its value, and after its name a text_of(...).
 local function add_value(tree, which, tvb, offset, length, value, ...)
   if tree == nil or unwanted[which] then return nil end
-  if unwanted[sis] then return add(tree, which, tvb, offset, length, value) end
-  return add(tree, which, tvb, offset, length, value, label[which] .. ": " .. strformat(...))
+  if not are_texts_read then return add(tree, which, tvb, offset, length, value) end
+  return add(tree, which, tvb, offset, length, value, label[which] .. ": " .. text_of(...))
 end
 
 -- The bytes up to `stop`, if there are any.
@@ -278,9 +286,10 @@ local function add_bytes(tree, which, tvb, offset, stop)
   if stop > offset then add(tree, which, tvb, offset, stop - offset) end
 end
 
--- A text line without a field.
+-- A text line without a field, to have items below it.
 local function add_subtree(tree, tvb, offset, length, text)
-  return tree and tree:add(tvb(offset, length), text)
+  if tree and are_texts_read then return item_add(tree, tvb(offset, length), text) end
+  return tree
 end
 
 local function append_text(item, text)
@@ -288,11 +297,11 @@ local function append_text(item, text)
 end
 
 local function set_generated(item)
-  return item and item:set_generated()
+  return item and item_set_generated(item)
 end
 
 local function set_hidden(item)
-  return item and item:set_hidden()
+  return item and item_set_hidden(item)
 end
 
 -- A number that stands for no bytes: what was found out about a packet. Without a value, nothing.
@@ -315,7 +324,7 @@ end
 local function nstime(ns)
   local rest = fmod(ns, 1e9)
 
-  return NSTime.new((ns - rest) / 1e9, rest)
+  return new_time((ns - rest) / 1e9, rest)
 end
 
 -- A duration in ns, with a text as add_value() takes it.
@@ -2425,8 +2434,8 @@ do
     return strformat("%s%.0f.%0" .. decimals .. "d", value < 0 and "-" or "", (digits - fraction) / unit, fraction)
   end
 
-  function T.ms_text(ns)
-    return T.decimal_text(ns, 1e3, 3) .. " ms"
+  function T.ms_text(ns, is_longer)
+    return (is_longer and "more than " or "") .. T.decimal_text(ns, 1e3, 3) .. " ms"
   end
 end
 
@@ -2637,17 +2646,27 @@ do
     return sum
   end
 
-  -- ns since the character before; characters count from 0.
-  function T.interval_of(record, character)
+  -- ns since the character before, of each.
+  function T.intervals(record)
     record.intervals = record.intervals or read_intervals(record.bytes, record.times_offset, record.timed)
-    return record.intervals[character + 1]
+    return record.intervals
+  end
+
+  -- The same of one character, without a table; they count from 0.
+  function T.interval_of(record, character)
+    local at = record.times_offset + 4 * character + 1
+    local a, b, c, d = byte(record.bytes, at, at + 3)
+
+    return ((a * 256 + b) * 256 + c) * 256 + d
   end
 
   -- ns from the first character to another. The requests for a packet come in order: each goes on from the last.
   function T.since_first(record, character)
+    local intervals = T.intervals(record)
+
     if character < record.reached then record.reached, record.reached_ns = 0, 0 end
     for i = record.reached + 1, character do
-      record.reached_ns = record.reached_ns + T.interval_of(record, i)
+      record.reached_ns = record.reached_ns + intervals[i + 1]
     end
     record.reached = character
     return record.reached_ns
@@ -2677,7 +2696,7 @@ do
   -- Unknown has no value: otherwise a filter for bad times would find it.
   local function add_uncertainty(tree, tvb, uncertainty)
     if uncertainty then
-      add_duration(tree, FT.uncertainty, tvb, 12, 4, uncertainty, T.ms_text(uncertainty))
+      add_duration(tree, FT.uncertainty, tvb, 12, 4, uncertainty, T.ms_text, uncertainty)
     else
       add_subtree(tree, tvb, 12, 4, "Uncertainty of the times: unknown")
     end
@@ -2822,10 +2841,10 @@ do
   function T.longest(record)
     if record.longest then return record.longest, record.longest_at end
     local may_be_lost = band(record.flags, K.SERTAP_ERROR_LOST) ~= 0
-    local longest, longest_at = 0, 0
+    local longest, longest_at, intervals = 0, 0, T.intervals(record)
 
     for character = 1, record.timed - 1 do
-      local interval = T.interval_of(record, character)
+      local interval = intervals[character + 1]
 
       if interval > longest and not (may_be_lost and band(T.flags_of(record, character), K.SERTAP_ERROR_LOST) ~= 0) then
         longest, longest_at = interval, character
@@ -2833,10 +2852,6 @@ do
     end
     record.longest, record.longest_at = longest, longest_at
     return longest, longest_at
-  end
-
-  local function interval_text(interval, is_longer)
-    return (is_longer and "more than " or "") .. T.ms_text(interval)
   end
 
   -- A character says nothing if it has no flag and came about as long after the one before it as it takes itself: then
@@ -2856,7 +2871,7 @@ do
       set_hidden(item)
       if not unwanted[FT.interval] then add(subtree, FT.interval, tvb, time_at, 4, nstime(interval)) end
     elseif band(flag, K.SERTAP_INTERVAL_UNKNOWN) == 0 then
-      local text = item and interval_text(interval, is_longer) or ""
+      local text = item and T.ms_text(interval, is_longer) or ""
 
       append_text(item, ", after " .. text)
       add_duration(subtree, FT.interval, tvb, time_at, 4, interval, text)
@@ -2872,25 +2887,28 @@ do
     return false
   end
 
+  local function interval_max_text(record, longest, at)
+    local text = T.ms_text(longest, band(T.flags_of(record, at), K.SERTAP_INTERVAL_SATURATED) ~= 0)
+
+    return strformat("%s, before character %d%s", text, at + 1,
+      record.uncertainty and strformat(" (times uncertain by %s)", T.ms_text(record.uncertainty)) or "")
+  end
+
   local function add_interval_max(tree, tvb, record)
+    if unwanted[FT.interval_max] then return end
     local longest, at = T.longest(record)
 
-    if at == 0 then return end
-    local text = interval_text(longest, band(T.flags_of(record, at), K.SERTAP_INTERVAL_SATURATED) ~= 0)
-    local item = add_duration(tree, FT.interval_max, tvb, record.times_offset + 4 * at, 4, longest,
-      "%s, before character %d", text, at + 1)
-
-    set_generated(item)
-    if record.uncertainty then
-      append_text(item, strformat(" (times uncertain by %s)", T.ms_text(record.uncertainty)))
+    if at > 0 then
+      set_generated(add_duration(tree, FT.interval_max, tvb, record.times_offset + 4 * at, 4, longest,
+        interval_max_text, record, longest, at))
     end
   end
 
   -- Whether the characters are displayed or filtered. Usually a large file needs neither, and a record has five items
   -- for each character.
-  local function are_characters_wanted(tree)
+  local function are_characters_wanted(tree, record)
     if is_wanted(tree, FT.character) or is_wanted(tree, FT.interval) or is_wanted(tree, FT.flags) then return true end
-    for _, known in ipairs(flags) do
+    for _, known in ipairs(record.flags ~= 0 and flags or {}) do
       if is_wanted(tree, known.field) then return true end
     end
     return false
@@ -2900,13 +2918,18 @@ do
     local length, usual = record.flags_offset + record.timed - record.data_offset, 0
 
     add_interval_max(tree, tvb, record)
-    if not are_characters_wanted(tree) then return end
+    if not are_characters_wanted(tree, record) then return end
     local subtree = add_subtree(tree, tvb, record.data_offset, length,
       strformat("%d character%s", record.timed, plural(record.timed)))
+    local intervals, are_enough = T.intervals(record), unwanted[FT.character] and unwanted[FT.flags]
     for index = 0, record.timed - 1 do
-      if add_character(subtree, tvb, record, index) then usual = usual + 1 end
+      if are_enough and index > 0 and T.flags_of(record, index) == 0 then
+        add(subtree, FT.interval, tvb, record.times_offset + 4 * index, 4, nstime(intervals[index + 1]))
+      elseif add_character(subtree, tvb, record, index) then
+        usual = usual + 1
+      end
     end
-    if usual > 0 then
+    if usual > 0 and are_texts_read then
       append_text(subtree, strformat(", %d of %d intervals of about one character (%s)", usual, record.timed - 1,
         T.ms_text(record.character_ns)))
     end
@@ -3094,7 +3117,7 @@ do
 
   function sertap.dissector(tvb, pinfo, parent)
     local bytes, there = raw(tvb), reported_len(tvb)
-    local tree = (#bytes > 0 or there == 0) and is_referenced(parent, handle) and parent:add(sertap, tvb()) or nil
+    local tree = (#bytes > 0 or there == 0) and is_referenced(parent, handle) and item_add(parent, sertap, tvb()) or nil
     local root = tree or parent
     local record = #bytes >= RECORD_HEADER_SIZE and record_of(sub(bytes, 1, RECORD_HEADER_SIZE))
     local can_be_read, is_cut = is_quick(tree, record, bytes, there), false
@@ -3341,19 +3364,23 @@ do
     return N.message_kinds[S.receiver_kind(last)] or N.command_kinds[S.general_service(telegram.service)]
   end
 
+  local function control_text(telegram)
+    local kind = kind_of_command(telegram)
+
+    return strformat(" (%s%s)", telegram.is_reaction and "reaction" or "command", kind and ", " .. kind or "")
+  end
+
   local function dissect_control(body)
     local item
 
     if body.tree then
       local has_status = P.edition == K.ECODRIVE03 and body.telegram.is_reaction
-      local kind = kind_of_command(body.telegram)
 
       item = add(body.tree, F.control, body.tvb, 4, 1)
       for _, bit_field in ipairs(has_status and bits.reaction or bits[P.edition]) do
         add(item or body.tree, bit_field, body.tvb, 4, 1)
       end
-      append_text(item, strformat(" (%s%s)", body.telegram.is_reaction and "reaction" or "command",
-        kind and ", " .. kind or ""))
+      if item then append_text(item, control_text(body.telegram)) end
     end
     if body.telegram.control >= CONTROL_RESERVED then
       if P.edition == K.IF02 then dissect_control_if02(body, item) else dissect_control_ecodrive03(body, item) end
@@ -3719,7 +3746,7 @@ do
   -- them were on the line. Returns the words for the info column.
   function S.dissect_telegram(tvb, bytes, pinfo, parent, there)
     local declared = S.declared_length(bytes, 0)
-    local tree = is_referenced(parent, handle) and parent:add(sis, tvb()) or nil
+    local tree = is_referenced(parent, handle) and item_add(parent, sis, tvb()) or nil
 
     body.tvb, body.bytes, body.pinfo = tvb, bytes, pinfo
     body.tree, body.whole_tree, body.root = tree, tree, tree or parent
@@ -4740,14 +4767,18 @@ do
     return access.general == 0x1E or access.general == 0x1F
   end
 
+  local control_bits = {F.parameter_control_reserved, F.element, F.transmission}
+
   local function show_control(access)
     local body = access.body
 
-    for _, bit_field in ipairs({F.parameter_control_reserved, F.element, F.transmission}) do
+    for _, bit_field in ipairs(control_bits) do
       add(body.item or body.tree, bit_field, body.tvb, body.offset - 1, 1)
     end
-    append_text(body.item,
-      strformat(" (%s, %s)", N.elements[access.element], access.is_last and "last transmission" or "more follows"))
+    if body.item then
+      append_text(body.item,
+        strformat(" (%s, %s)", N.elements[access.element], access.is_last and "last transmission" or "more follows"))
+    end
   end
 
   -- Fig. 8-2: 1 to 254 are drives.
@@ -5520,14 +5551,14 @@ do
     return exchange and exchange.from ~= exchange.from.stream.from[S.direction(telegram)]
   end
 
-  -- A duration that stands for no bytes, with its text: strformat(...).
+  -- A duration that stands for no bytes, with a text as add_value() takes it.
   function S.add_time(tree, which, tvb, ns, ...)
     return set_generated(add_duration(tree, which, tvb, 0, 0, ns, ...))
   end
 
   -- The same as "12.345 ms". A clock that is set back makes none.
-  function S.add_ms(tree, which, tvb, ns, sign)
-    if ns >= 0 and not unwanted[which] then S.add_time(tree, which, tvb, ns, (sign or "") .. T.ms_text(ns)) end
+  function S.add_ms(tree, which, tvb, ns, is_longer)
+    if ns >= 0 then S.add_time(tree, which, tvb, ns, T.ms_text, ns, is_longer) end
   end
 
   -- A time as a number of ms, rounded to three digits, for a column of the packet list. Hidden: the tree has the time
@@ -6645,6 +6676,12 @@ end
 --- parameters/ident: a parameter in the tree: its ident bit by bit (fig. 8-3), and what is known of it
 
 do
+  local known_parts = {} -- {its field, its name, the name of where it is from}
+
+  for _, part in ipairs({"name", "unit", "minimum", "maximum"}) do
+    known_parts[#known_parts + 1] = {F["parameter_" .. part], part, part .. "_from"}
+  end
+
   -- Adds sis.parameter, the parts of the ident, name, unit and limits. Returns its item. `place` is its place: offset
   -- and length (0: the command has it), type_at, number_at, is_big: the number word.
   function S.add_ident(tree, tvb, place, ident, known)
@@ -6660,10 +6697,10 @@ do
     else
       set_generated(item)
     end
-    for _, part in ipairs({"name", "unit", "minimum", "maximum"}) do
-      local made = add_generated(subtree, F["parameter_" .. part], tvb, known[part])
+    for _, part in ipairs(known_parts) do
+      local made = add_generated(subtree, part[1], tvb, known[part[2]])
 
-      if made then append_text(made, " (" .. known[part .. "_from"] .. ")") end
+      if made then append_text(made, " (" .. known[part[3]] .. ")") end
     end
     return item
   end
@@ -7221,7 +7258,7 @@ K.SET_BACK = -math.huge -- the least of a duration during which the clock was se
 K.FROM_UNKNOWN, K.FROM_END, K.FROM_START = 0, 1, 2
 
 do
-  local interval_of, flags_of = T.interval_of, T.flags_of
+  local flags_of = T.flags_of
 
   -- The shortest time of a character, slightly short: a transmitter may be that much faster than its nominal rate.
   local function shortest_character(record)
@@ -7232,33 +7269,35 @@ do
   local function read_size(times, character)
     local record, finish, after = times.record, times.first + times.count, character + 1
 
-    if band(record.flags, K.SERTAP_SAME_READ) == 0 then return 1 end
     while after < finish and band(flags_of(record, after), K.SERTAP_SAME_READ) ~= 0 do
       after = after + 1
     end
     return after - character
   end
 
-  -- A read of some of the telegram's characters; first is of the record's. In ns: others, from the first of them to the
-  -- last, at least; so long before the read the first may have come (earliest), and the last had come (latest).
+  -- A read of some of the telegram's characters: its size, and in ns from the first of them to the last, at least
+  -- (others), and so long before the read the first may have come (earliest).
   local function read_at(times, character)
     local record, size = times.record, read_size(times, character)
-    local others = size > 1 and (size - 1) * shortest_character(record) or 0
-    local earliest = max(record.uncertainty or K.ANY_TIME, others)
+    local uncertainty = record.uncertainty or K.ANY_TIME
 
-    return {first = character, size = size, others = others, earliest = earliest, latest = 0}
+    if size == 1 then return 1, 0, uncertainty end
+    local others = (size - 1) * shortest_character(record)
+
+    return size, others, max(uncertainty, others)
   end
 
   local function bound(times)
-    local last, read = times.first + times.count - 1, read_at(times, times.first)
+    local last = times.first + times.count - 1
+    local _, others, earliest = read_at(times, times.first)
 
-    times.begin_earliest = times.begin - read.earliest
-    times.begin_latest = times.begin - read.others
+    times.begin_earliest = times.begin - earliest
+    times.begin_latest = times.begin - others
     while last > times.first and band(flags_of(times.record, last), K.SERTAP_SAME_READ) ~= 0 do
       last = last - 1
     end
-    read = read_at(times, last)
-    times.end_earliest = times.end_ - read.earliest + read.others
+    _, others, earliest = read_at(times, last)
+    times.end_earliest = times.end_ - earliest + others
   end
 
   -- Of the telegram being dissected: one table for all of them.
@@ -7305,58 +7344,63 @@ do
   local UNKNOWN_OR_LOST = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_ERROR_LOST
   local UNKNOWN_OR_SATURATED = K.SERTAP_INTERVAL_UNKNOWN + K.SERTAP_INTERVAL_SATURATED
 
-  local function is_measured_before(times, read)
-    return band(flags_of(times.record, read.first), UNKNOWN_OR_LOST) == 0
+  local function is_measured_before(record, character)
+    return record.flags == 0 or band(flags_of(record, character), UNKNOWN_OR_LOST) == 0
   end
 
-  -- All reads of a telegram. No character came before the one before it: what is known of a read bounds its neighbours,
-  -- forwards and backwards.
+  -- All reads of a telegram, by number, as read_at() describes them: first is of the record's characters, and the last
+  -- had come so long before the read (latest). The same lists for all telegrams: a table for each read takes most of
+  -- the time.
+  local firsts, sizes, others, earliest, latest = {}, {}, {}, {}, {}
+
+  -- Returns how many there are. No character came before the one before it: what is known of a read bounds its
+  -- neighbours, forwards and backwards.
   local function find_reads(times)
-    local reads, shortest = {}, shortest_character(times.record)
-    local character, finish = times.first, times.first + times.count
+    local record, character, count = times.record, times.first, 0
+    local intervals, uncertainty = T.intervals(record), record.uncertainty or K.ANY_TIME
+    local shortest, finish = shortest_character(record), character + times.count
+    local are_alone = band(record.flags, K.SERTAP_SAME_READ) == 0
 
     while character < finish do
-      reads[#reads + 1] = read_at(times, character)
-      character = character + reads[#reads].size
+      count = count + 1
+      firsts[count], sizes[count], others[count], earliest[count], latest[count] = character, 1, 0, uncertainty, 0
+      if not are_alone then sizes[count], others[count], earliest[count] = read_at(times, character) end
+      character = character + sizes[count]
     end
-    if not times.record.uncertainty then return reads end
-    for i = 2, #reads do
-      local before, read = reads[i - 1], reads[i]
-      local since = interval_of(times.record, read.first) + before.earliest - before.others
+    if not record.uncertainty then return count end
+    for i = 2, count do
+      local since = intervals[firsts[i] + 1] + earliest[i - 1] - others[i - 1] - shortest
 
-      if is_measured_before(times, read) then
-        read.earliest = max(min(since - shortest, read.earliest), read.others)
+      if since < earliest[i] and is_measured_before(record, firsts[i]) then earliest[i] = max(since, others[i]) end
+    end
+    for i = count, 2, -1 do
+      local before = shortest - (intervals[firsts[i] + 1] - others[i] - latest[i])
+
+      if before > 0 and is_measured_before(record, firsts[i]) then
+        latest[i - 1] = min(before, earliest[i - 1] - others[i - 1])
       end
     end
-    for i = #reads, 2, -1 do
-      local before, read = reads[i - 1], reads[i]
-      local wait = interval_of(times.record, read.first) - read.others - read.latest
-
-      if is_measured_before(times, read) then
-        before.latest = max(min(shortest - wait, before.earliest - before.others), 0)
-      end
-    end
-    return reads
+    return count
   end
 
-  -- Between the last character of one read and the first of the next.
-  local function span_before(times, before, read)
-    local flags, interval = flags_of(times.record, read.first), interval_of(times.record, read.first)
-    local least = interval - read.earliest + before.latest
-    local most = interval - read.others - read.latest + before.earliest - before.others
+  -- Between the last character of the read before and the first of a read: least and most.
+  local function span_before(record, i, interval)
+    if not record.uncertainty then return 0, K.ANY_TIME end
+    local least = interval - earliest[i] + latest[i - 1]
+    local most = interval - others[i] - latest[i] + earliest[i - 1] - others[i - 1]
 
-    if not times.record.uncertainty then return {least = 0, most = K.ANY_TIME} end
-    if not is_measured_before(times, read) then least = 0 end
-    if band(flags, UNKNOWN_OR_SATURATED) ~= 0 then most = K.ANY_TIME end
-    return {least = max(least, 0), most = most}
+    if record.flags ~= 0 then
+      if not is_measured_before(record, firsts[i]) then least = 0 end
+      if band(flags_of(record, firsts[i]), UNKNOWN_OR_SATURATED) ~= 0 then most = K.ANY_TIME end
+    end
+    return least > 0 and least or 0, most
   end
 
   -- Between any two characters of one read.
-  local function span_inside(times, read)
-    local shortest = shortest_character(times.record)
-    local rest = read.earliest - read.latest - read.others
+  local function span_inside(record, i)
+    local shortest = shortest_character(record)
 
-    return {least = shortest, most = times.record.uncertainty and shortest + rest or K.ANY_TIME}
+    return shortest, record.uncertainty and shortest + earliest[i] - latest[i] - others[i] or K.ANY_TIME
   end
 
   -- A start character and two equal lengths: a receiver restarts there after too long a pause, if the character
@@ -7369,37 +7413,40 @@ do
     return start == K.START and at + 3 <= times.count and length == length_repeat
   end
 
-  -- The upper bound of an interval, where it counts.
-  local function weight(interval, is_exceeded)
-    if is_exceeded then return interval.span.least end
-    return interval.span.most ~= K.ANY_TIME and interval.span.most or interval.recorded
-  end
-
   -- Of several, one that is exceeded decides, then one that is unresolved.
   local function worsen(verdict, next_)
     return (verdict == K.TIME_OK or next_ == K.TIME_EXCEEDED) and next_ or verdict
   end
 
-  local function consider(longest, times, interval, limit, from)
-    local flags = flags_of(times.record, times.first + interval.at - 1)
-    local whole, idle = S.judge_both(interval.span, times.record.character_ns, limit)
-    local verdict = S.verdict(whole, idle, from)
-    local is_exceeded, was_exceeded = verdict == K.TIME_EXCEEDED, longest.verdict == K.TIME_EXCEEDED
+  -- The verdict on an interval that may be beyond the limit; returns whether it is.
+  local function judge_interval(longest, times, at, span, flags)
+    local whole, idle = S.judge_both(span, times.record.character_ns, longest.limit)
+    local verdict = S.verdict(whole, idle, longest.from)
 
-    if is_exceeded and not longest.restart_at and looks_like_start(times, interval.at) then
-      longest.restart_at = interval.at
+    if verdict == K.TIME_EXCEEDED and not longest.restart_at and looks_like_start(times, at) then
+      longest.restart_at = at
     end
     longest.verdict = worsen(longest.verdict, verdict)
     longest.whole, longest.idle = worsen(longest.whole, whole), worsen(longest.idle, idle)
-    if band(flags, UNKNOWN_OR_LOST) ~= 0 then
-      if verdict == K.TIME_UNRESOLVED then longest.unknown_at = longest.unknown_at or interval.at end
-      return
+    if verdict == K.TIME_UNRESOLVED and band(flags, UNKNOWN_OR_LOST) ~= 0 then
+      longest.unknown_at = longest.unknown_at or at
     end
-    interval.is_saturated = band(flags, K.SERTAP_INTERVAL_SATURATED) ~= 0
-    interval.weight = weight(interval, is_exceeded)
+    return verdict == K.TIME_EXCEEDED
+  end
+
+  local function consider(longest, times, at, recorded, is_exact, least, most)
+    if most <= longest.enough then return end
+    local flags, was_exceeded = flags_of(times.record, times.first + at - 1), longest.verdict == K.TIME_EXCEEDED
+    local is_exceeded = most > longest.limit
+      and judge_interval(longest, times, at, {least = least, most = most}, flags)
+    local weight = is_exceeded and least or most ~= K.ANY_TIME and most or recorded -- an upper bound, where it counts
+
+    if band(flags, UNKNOWN_OR_LOST) ~= 0 then return end
     if not longest.interval or (is_exceeded and not was_exceeded)
-      or (is_exceeded == was_exceeded and interval.weight > longest.interval.weight) then
-      longest.interval = interval
+      or (is_exceeded == was_exceeded and weight > longest.interval.weight) then
+      longest.enough = min(weight, longest.limit)
+      longest.interval = {at = at, recorded = recorded, is_exact = is_exact, weight = weight,
+        span = {least = least, most = most}, is_saturated = band(flags, K.SERTAP_INTERVAL_SATURATED) ~= 0}
     end
   end
 
@@ -7408,27 +7455,22 @@ do
   -- (restart_at), and the one before which nobody knows how long it was, and it matters (unknown_at). An interval: {at:
   -- number of the character in the telegram, from 1, recorded, span, weight: the largest is the longest, is_exact: both
   -- its characters came alone, each in a read of its own, is_saturated: it was longer than recorded}; nil where there
-  -- is none.
+  -- is none. An interval that can have been no longer than `enough` changes nothing.
   function S.longest(times, limit, from)
-    local longest = {verdict = K.TIME_OK, whole = K.TIME_OK, idle = K.TIME_OK}
-    local before
+    -- Without a limit nothing exceeds it: the most that an interval can have been counts.
+    local longest = {verdict = K.TIME_OK, whole = K.TIME_OK, idle = K.TIME_OK, from = from,
+      limit = limit ~= 0 and limit or K.ANY_TIME, enough = K.SET_BACK}
+    local record, first, intervals = times.record, times.first, T.intervals(times.record)
 
-    if limit == 0 then limit = K.ANY_TIME end -- nothing exceeds it: the most that an interval can have been counts
-    for _, read in ipairs(find_reads(times)) do
-      local at = read.first - times.first + 1
+    for i = 1, find_reads(times) do
+      local at, size = firsts[i] - first + 1, sizes[i]
 
-      if before then
-        consider(longest, times, {
-          at = at,
-          recorded = interval_of(times.record, read.first),
-          is_exact = read.size == 1 and before.size == 1,
-          span = span_before(times, before, read),
-        }, limit, from)
+      if i > 1 then
+        local recorded = intervals[firsts[i] + 1]
+
+        consider(longest, times, at, recorded, size == 1 and sizes[i - 1] == 1, span_before(record, i, recorded))
       end
-      if read.size > 1 then
-        consider(longest, times, {at = at + 1, recorded = 0, span = span_inside(times, read)}, limit, from)
-      end
-      before = read
+      if size > 1 then consider(longest, times, at + 1, 0, false, span_inside(record, i)) end
     end
     return longest.interval and longest
   end
@@ -7909,7 +7951,7 @@ do
   local function add_uint(t, which, value, text)
     local item = add_generated(t.tree, which, t.body.tvb, value)
 
-    append_text(item, text or "")
+    if text then append_text(item, text) end
     return item
   end
 
@@ -7997,15 +8039,13 @@ do
   local function show_tza(t)
     local longest = t.longest
     local interval = longest.interval
-    local text, position = interval_text(t, interval), position_text(t, interval.at)
-
     local most = (interval.is_exact or interval.is_saturated) and interval.recorded or interval.span.most
 
     if most ~= K.ANY_TIME then
-      add_time(t, F.tza_interval_max, most, text)
+      add_time(t, F.tza_interval_max, most, interval_text, t, interval)
       S.add_column_ms(t.tree, F.tza_interval_max_ms, t.body.tvb, most)
     end
-    add_uint(t, F.tza_position, interval.at, " (" .. position .. ")")
+    add_uint(t, F.tza_position, interval.at, are_texts_read and " (" .. position_text(t, interval.at) .. ")")
     if t.tza ~= 0 then
       show_verdict(t, tza, P.tza_ms == 0 and setting(t, K.TZA), t.tza, longest.verdict, verdict_words(longest),
         verdict_numbers(longest))
@@ -8032,7 +8072,7 @@ do
     end
     if t.tree or verdict ~= K.TIME_OK then
       show_verdict(t, trs, P.trs_ms == 0 and setting(t, K.TRS), t.trs, verdict, words,
-        span and span_text(span))
+        verdict ~= K.TIME_OK and span and span_text(span))
     end
   end
 
@@ -8040,7 +8080,7 @@ do
   -- answer.
   local function show_twm(t)
     local wait, slave = t.wait, limit_of(t, K.TRS, P.trs_ms)
-    local item = add_time(t, F.twm_wait, wait, ms_text(wait))
+    local item = add_time(t, F.twm_wait, wait, ms_text, wait)
 
     if t.record.exchange.repeat_of and slave > 0 and wait < slave then
       append_text(item, strformat(", while the slave may take %d ms (TrS)", slave / MS))
@@ -8052,7 +8092,7 @@ do
     local cycle, longest = t.record.cycle, t.telegram.times.record and limit_of(t, K.TMAS, 0) or 0
     local is_measured = S.is_measured(cycle.ns, t.telegram.times)
 
-    if is_measured then add_time(t, F.tmas_cycle, cycle.ns, ms_text(cycle.ns)) end
+    if is_measured then add_time(t, F.tmas_cycle, cycle.ns, ms_text, cycle.ns) end
     add_uint(t, F.tmas_before_in, cycle.frame)
     if longest > 0 then
       show_verdict(t, tmas, setting(t, K.TMAS), longest, S.judge(cycle.span, longest), ": a slave stops a movement",
@@ -8071,6 +8111,10 @@ do
     end
   end
 
+  local function load_text(load)
+    return T.decimal_text(load * 10, 1, 1) .. " %"
+  end
+
   local function show_bus(t)
     local rate = setting(t, K.BAUD)
 
@@ -8078,15 +8122,18 @@ do
     if t.busy and t.tree then
       local load = T.percent(t.busy, t.span)
 
-      set_generated(add_value(t.tree, F.bus_load, t.body.tvb, 0, 0, load, "%s %%", T.decimal_text(load * 10, 1, 1)))
+      set_generated(add_value(t.tree, F.bus_load, t.body.tvb, 0, 0, load, load_text, load))
     end
+  end
+
+  local function silence_text(t, silence)
+    return t.is_longer and "more than " .. ms_text(silence) or idle_text(t, silence) .. ")"
   end
 
   local function show_silence(t)
     local silence = t.silence
     S.add_column_ms(t.tree, F.silence_before_ms, t.body.tvb, silence)
-    local text = t.is_longer and "more than " .. ms_text(silence) or idle_text(t, silence) .. ")"
-    local item = t.tree and add_time(t, F.silence_before, silence, text)
+    local item = add_time(t, F.silence_before, silence, silence_text, t, silence)
 
     if silence > OPERATOR_TERMINAL_SILENCE then
       append_text(item, ", more than the 200 ms after which an operator terminal gives up")
@@ -8128,7 +8175,7 @@ do
     t.trs = is_answer and telegram.subaddress_count == 0 and telegram.times.record
       and limit_of(t, K.TRS, P.trs_ms) or 0
     t.wait = exchange and not telegram.is_reaction and exchange.wait or -1
-    if telegram.times.record then t.busy, t.span = T.load() end
+    if telegram.times.record and not unwanted[F.bus_load] then t.busy, t.span = T.load() end
   end
 
   local function show(t)
@@ -8978,7 +9025,7 @@ do
     local shown = (interval.is_exact or interval.is_saturated) and interval.recorded or interval.span.most
 
     if shown ~= K.ANY_TIME then
-      S.add_ms(d.tree, FX["3964r_zvz_interval_max"], d.tvb, shown, interval.is_saturated and "more than ")
+      S.add_ms(d.tree, FX["3964r_zvz_interval_max"], d.tvb, shown, interval.is_saturated)
     end
     add_generated(d.tree, FX["3964r_zvz_position"], d.tvb, interval.at)
     if limit > 0 then
