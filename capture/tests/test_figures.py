@@ -475,7 +475,7 @@ def test_parts_are_joined() -> None:
     parts = Distribution(), Distribution()
     parts[0].add([0.0, 1.0, 3.0])
     parts[1].add([2.0, 0.0])
-    both = Distribution.union(parts, 6.0)
+    both = Distribution.union(parts)
     assert (both.count, both.zeros, both.shortest_s, both.longest_s) == (5, 2, 0.0, 3.0)
     assert (both.average_s, both.within_s(0.6), both.within_s(1)) == (1.2, 1.0, 3.0)
     assert Distribution().shortest_s is None and Distribution().average_s == 0
@@ -483,7 +483,7 @@ def test_parts_are_joined() -> None:
 
 def test_slices_become_twice_as_wide() -> None:
     slices = Slices()
-    for second in (0.0, 0.4799, 0.48):
-        slices.counts["x"][slices.at(second)] += 1
-    assert (slices.width_s, slices.used, slices.at(-1)) == (0.002, 241, 0)
+    slices.count("x", slices.at([0.0, 0.4799]))
+    slices.count("x", slices.at([0.48]))
+    assert (slices.width_s, slices.used, slices.at([-1])) == (0.002, 241, [0])
     assert [place for place, count in enumerate(slices.counts["x"]) if count] == [0, 239, 240]

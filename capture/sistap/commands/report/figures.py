@@ -124,9 +124,8 @@ class Figures:
     curves: Curves = field(default_factory=Curves)
     pauses: Pauses = field(default_factory=Pauses)
 
-    _alike: dict[object, list[Packet]] = field(default_factory=dict)  # that wait to be counted, of one slice
+    _alike: defaultdict[object, list[Packet]] = field(default_factory=lambda: defaultdict(list))  # that wait
     _waiting: int = 0
-    _slice: int = 0  # theirs, as wide as slices are now
 
     def add(self, packet: Packet) -> None:
         """Count a packet, at the latest when all have come."""
@@ -138,30 +137,25 @@ class Figures:
         for access in packet.accesses:
             self.parameters.add(AccessPlace("", packet.number, packet.epoch_s), access)
             self.curves.add(packet.time_s, access)
-        number = int(packet.time_s / self.slices.width_s)
-        if number != self._slice or self._waiting == TOGETHER:
-            self.finish()
-            self._slice = int(packet.time_s / self.slices.width_s)
+        self._alike[packet.alike].append(packet)
         self._waiting += 1
-        alike = self._alike.get(packet.alike)
-        if alike is None:
-            self._alike[packet.alike] = [packet]
-        else:
-            alike.append(packet)
+        if self._waiting == TOGETHER:
+            self.finish()
 
     def finish(self) -> None:
         """Count what waits."""
         for packets in self._alike.values():
-            self._add(packets, self.slices.at(packets[0].time_s))
-        self._alike = {}
+            self._add(packets)
+        self._alike.clear()
         self._waiting = 0
 
-    def _add(self, packets: Sequence[Packet], at: int) -> None:
-        """Count packets of one slice that say the same."""
+    def _add(self, packets: Sequence[Packet]) -> None:
+        """Count packets that say the same."""
         packet, count = packets[0], len(packets)
+        at = self.slices.at([one.time_s for one in packets])
         self.records[packet.type] += count
         self.interfaces[packet.interface] += count
-        self.duration_s = max(self.duration_s, *(one.time_s + one.length_s for one in packets))
+        self.duration_s = max([self.duration_s, *[one.time_s + one.length_s for one in packets]])
         if packet.type in (FRAME, OTHER):
             self._add_records(packets)
             self.pauses.add(packets)
@@ -169,7 +163,7 @@ class Figures:
             self._add_telegrams(packets, [one.telegrams[place] for one in packets], at)
         for fault in packet.faults:
             self.faults[fault.name] += count
-            self.slices.counts[fault.name][at] += count
+            self.slices.count(fault.name, at)
 
     def _add_records(self, packets: Sequence[Packet]) -> None:
         packet, count = packets[0], len(packets)
@@ -182,7 +176,7 @@ class Figures:
                 for one in packets:
                     self.frame_intervals.add(one.intervals_s)
 
-    def _add_telegrams(self, packets: Sequence[Packet], telegrams: Sequence[Telegram], at: int) -> None:
+    def _add_telegrams(self, packets: Sequence[Packet], telegrams: Sequence[Telegram], at: Sequence[int]) -> None:
         telegram = telegrams[0]
         reactions = [one.reaction for one in telegrams if one.reaction]
         pauses = [one.pause for one in telegrams if one.pause]
@@ -200,16 +194,16 @@ class Figures:
             self._add_stations(telegram, len(telegrams), reactions, pauses, at)
         self._add_bus(packets, telegrams, at)
 
-    def _add_bus(self, packets: Sequence[Packet], telegrams: Sequence[Telegram], at: int) -> None:
+    def _add_bus(self, packets: Sequence[Packet], telegrams: Sequence[Telegram], at: Sequence[int]) -> None:
         silences = [(one.silence.time_s, packet) for packet, one in zip(packets, telegrams, strict=True) if one.silence]
         if silences:
             self.silences.add(*zip(*silences, strict=True))
-        loads = [one.load_percent for one in telegrams if one.load_percent is not None]
-        if loads:
-            self.slices.add_load(at, max(loads))
+        for number, one in zip(at, telegrams, strict=True):
+            if one.load_percent is not None:
+                self.slices.add_load(number, one.load_percent)
 
     def _add_stations(
-        self, telegram: Telegram, count: int, reactions: Sequence[Judged], pauses: Sequence[Judged], at: int
+        self, telegram: Telegram, count: int, reactions: Sequence[Judged], pauses: Sequence[Judged], at: Sequence[int]
     ) -> None:
         """Count telegrams such as this one."""
         if telegram.unanswered and telegram.listener is not None:
@@ -217,7 +211,7 @@ class Figures:
         if telegram.talker is None:
             return
         station = self.stations[telegram.talker]
-        self.slices.counts[str(telegram.talker)][at] += count
+        self.slices.count(str(telegram.talker), at)
         if telegram.is_reaction:
             station.reactions += count
             station.errors += telegram.is_refusal * count

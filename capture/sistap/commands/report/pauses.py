@@ -129,7 +129,6 @@ class Pauses:
     _waiting: defaultdict[int, list[list[float]]] = field(default_factory=lambda: defaultdict(list))  # by length
 
     _others: Distribution = field(default_factory=Distribution)  # intervals in other telegrams
-    _total_s: float = 0.0  # of all intervals
 
     def add(self, packets: Sequence[Packet]) -> None:
         """Count the telegrams of packets that say the same, unless characters were lost or all came in one read."""
@@ -140,7 +139,6 @@ class Pauses:
         self.same_read += packet.same_read * len(packets)
         if packet.is_of_one_read:
             return
-        self._total_s += sum(one.length_s for one in packets)
         telegram = packet.telegrams[0]
         if len(packet.telegrams) > 1 or not telegram.good:
             for one in packets:
@@ -175,7 +173,7 @@ class Pauses:
     def intervals(self) -> Distribution:
         """Return all intervals inside telegrams, except for those that came in one read as a whole."""
         self._sort()
-        return Distribution.union([*self._places, self._others], self._total_s)
+        return Distribution.union([*self._places, self._others])
 
     @property
     def places(self) -> dict[int, Distribution]:

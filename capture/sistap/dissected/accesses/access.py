@@ -83,6 +83,8 @@ def _access(port: str, text: str) -> Access | None:
 def _said(text: str) -> dict[str, Any]:
     """Decode a text. It has no two backslashes in a row (plugin/sis/access.c), unless tshark has doubled each."""
     said, _ = _decode(text.replace("\\\\", "\\"))
+    if "\\" not in text:  # then there is nothing that is not visible
+        return dict(said)
     return {name: visible(value) if isinstance(value, str) else value for name, value in said.items()}
 
 

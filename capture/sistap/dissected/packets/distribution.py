@@ -27,7 +27,7 @@ class Bin:
 
 
 class Distribution:
-    """How often each time came, in s. Count, sum and extremes are exact, and so is a share of few.
+    """How often each time came, in s, of whole ns. Count, sum and extremes are exact, and so is a share of few.
 
     Bins are 2.4 % wide.
     """
@@ -37,7 +37,7 @@ class Distribution:
     _JOINED = 5  # bins that make one bar
 
     def __init__(self) -> None:
-        self.total_s = 0.0
+        self._total_ns = 0
         self._sorted = 0  # into bins
         self._shortest_s = math.inf
         self._longest_s = 0.0
@@ -47,12 +47,12 @@ class Distribution:
         self._few: list[float] = []  # all of them, or none if there are more
 
     @classmethod
-    def union(cls, parts: Iterable[Distribution], total_s: float) -> Distribution:
-        """Return one of all times of these, the sum of which is known exactly."""
+    def union(cls, parts: Iterable[Distribution]) -> Distribution:
+        """Return one of all times of these."""
         union = cls()
-        union.total_s = total_s
         for part in parts:
             part._sort()
+            union._total_ns += part._total_ns
             union._sorted += part._sorted
             union._few += part._few
             union._zeros += part._zeros
@@ -66,7 +66,7 @@ class Distribution:
 
     def add(self, times_s: Sequence[float]) -> None:
         """Count times."""
-        self.total_s += sum(times_s)
+        self._total_ns += round(sum(times_s) * 1e9)
         self._waiting += times_s
         if len(self._waiting) >= self.FEW:
             self._sort()
@@ -145,7 +145,7 @@ class Distribution:
     @property
     def average_s(self) -> float:
         """Return the average; 0 without any."""
-        return self.total_s / self.count if self.count else 0.0
+        return self._total_ns / 1e9 / self.count if self.count else 0.0
 
     def bars(self) -> tuple[list[int], list[float]]:
         """Join bins to bars without a gap; return their counts and edges in s. Nothing without a bin."""
@@ -178,15 +178,20 @@ class Slices:
         self.loads: list[float | None] = [None] * self.COUNT  # percent; the highest in each slice, None: no telegram
         self.used = 0  # number of slices in use
 
-    def at(self, time_s: float) -> int:
-        """Return the slice of a time since the first packet; an earlier time belongs to the first."""
-        number = int(time_s / self.width_s)
-        while number >= self.COUNT:
+    def at(self, times_s: Sequence[float]) -> Sequence[int]:
+        """Return the slices of times since the first packet; an earlier time belongs to the first."""
+        latest_s = max(times_s)
+        while int(latest_s / self.width_s) >= self.COUNT:
             self._double()
-            number = int(time_s / self.width_s)
-        number = max(number, 0)
-        self.used = max(self.used, number + 1)
-        return number
+        numbers = [max(int(time_s / self.width_s), 0) for time_s in times_s]
+        self.used = max(self.used, max(numbers) + 1)
+        return numbers
+
+    def count(self, name: str, numbers: Iterable[int]) -> None:
+        """Count something in each of these slices."""
+        counts = self.counts[name]
+        for number in numbers:
+            counts[number] += 1
 
     def add_load(self, number: int, percent: float) -> None:
         """Keep the load of the bus, in percent, if it is the highest in its slice."""
