@@ -42,7 +42,7 @@ def test_count_sum_and_extremes_are_exact(parts: list[list[float]]) -> None:
         distribution.add(part)
     times = [time for part in parts for time in part]
     assert distribution.count == len(times)
-    assert math.isclose(distribution.average_s * len(times), math.fsum(times), rel_tol=1e-15)
+    assert math.isclose(distribution.average_s * len(times), math.fsum(times), rel_tol=1e-12)
     if times:
         assert (distribution.shortest_s, distribution.longest_s) == (min(times), max(times))
     assert distribution.zeros + sum(found.count for found in distribution.bins.values()) == len(times)
@@ -71,8 +71,8 @@ def test_nothing_is_lost_when_slices_are_joined(times: list[float]) -> None:
 
 def test_a_load_is_the_most_in_its_slice() -> None:
     slices = Slices()
-    slices.add_load(*slices.at([0.0]), 40.0)
-    slices.add_load(*slices.at([0.0]), 10.0)
+    slices.add_load(slices.at([0.0])[0], 40.0)
+    slices.add_load(slices.at([0.0])[0], 10.0)
     assert slices.loads[:2] == [40.0, None]
-    slices.add_load(*slices.at([10.0]), 20.0)
+    slices.add_load(slices.at([10.0])[0], 20.0)
     assert [load for load in slices.loads if load is not None] == [40.0, 20.0]
