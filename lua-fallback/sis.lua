@@ -28,7 +28,6 @@ local band, bxor, lshift, rshift = bit.band, bit.bxor, bit.lshift, bit.rshift --
 -- Methods that every telegram needs: Wireshark takes as long to find one as to call it.
 local raw, reported_len, tvb_of = Tvb.raw, Tvb.reported_len, TvbRange.tvb
 local item_add, item_add_le, is_referenced = TreeItem.add, TreeItem.add_le, TreeItem.referenced
-local try_table = DissectorTable.try
 local item_set_generated, item_set_hidden, new_time = TreeItem.set_generated, TreeItem.set_hidden, NSTime.new
 
 --- protocols: made by plugin/protocol/generate.py from protocols.toml; edit there
@@ -244,7 +243,6 @@ local function is_wanted(tree, which)
   return tree and not unwanted[which] and is_referenced(tree, which)
 end
 
-local items_made = 0 -- of fields, so far
 local counts -- how often each field was added, while somebody wants to know; else nil: sis/packed
 
 local function count_field(which)
@@ -254,7 +252,6 @@ end
 -- A field with its value, or with the value of its bytes, big endian; `text` replaces the displayed text.
 local function add(tree, which, tvb, offset, length, value, text)
   if tree == nil or unwanted[which] then return nil end
-  items_made = items_made + 1
   if counts then count_field(which) end
   if text ~= nil then
     return item_add(tree, which, tvb(offset, length), value, text)
@@ -267,7 +264,6 @@ end
 -- The same with little-endian bytes.
 local function add_le(tree, which, tvb, offset, length)
   if tree == nil or unwanted[which] then return nil end
-  items_made = items_made + 1
   if counts then count_field(which) end
   return item_add_le(tree, which, tvb(offset, length))
 end
@@ -3061,10 +3057,10 @@ do
     if values == 0 then return end
     local characters = tvb(record.data_offset, values)
     -- If somebody looks at the bytes, they have a data source of their own, without the record around them.
-    record.has_own_source = not unwanted[sertap] and parent.visible
+    record.has_own_source = parent.visible and not unwanted[sertap]
     characters = record.has_own_source and characters:bytes():tvb("Characters") or tvb_of(characters)
     if record.type == K.SERTAP_FRAME or record.framing == FRAMING_SIS then
-      try_table(framing_table, record.framing, characters, pinfo, parent)
+      framing_table:try(record.framing, characters, pinfo, parent)
     else -- from before a file, only telegrams of SIS explain something
       Dissector.get("data"):call(characters, pinfo, parent)
     end
@@ -3492,55 +3488,48 @@ do
     body.record = telegram.is_good and record or nil
   end
 
-  -- The result of a telegram without items: {words: for the packet list, request: of a command}. A bus repeats
+  -- The result of a telegram without a tree: {words: for the packet list, request: of a command}. A bus repeats
   -- itself, so the result is kept if it depends only on the bytes of the telegram and on one other thing. For a
   -- command, that is what the bus has taught so far. For a reaction, it is the request of its command. In a later
   -- pass it is both.
   local MOST_GIVEN = 4000
-  local given, given_count -- by case_of(), by that thing, by the bytes
+  local given, given_count -- by pass, by that thing, by the bytes
 
   local function forget_given()
-    given, given_count = {}, 0
+    given, given_count = {[false] = {}, [true] = {}}, 0
   end
 
   at_init(forget_given)
 
-  -- That other thing; nil if there are more, and in the first pass with a tree.
+  -- That other thing; nil if there are more, or if a tree is needed.
   local function find_grounds(body, record)
     local exchange = record.exchange
 
-    if not body.is_simple or not exchange or exchange.repeat_of or exchange.is_step_again
+    if body.tree or not body.is_simple or not exchange or exchange.repeat_of or exchange.is_step_again
       or record.reaction_before or record.steps then
       return nil
     end
     if packet.visited then return exchange.request end
     local from = exchange.from
-    if body.tree or next(from.transfers) or from.phase_switch then return nil end
+    if next(from.transfers) or from.phase_switch then return nil end
     if body.telegram.is_reaction then return exchange.request end
     return from.stream.bus.taught
   end
 
-  -- The pass; with a tree, in a later one, what is unwanted.
-  local function case_of(body)
-    return body.tree and unwanted or packet.visited
-  end
-
   local function keep_given(grounds, body)
     if given_count == MOST_GIVEN then forget_given() end
-    local case = case_of(body)
-    local of_case = given[case] or {}
+    local of_pass = given[packet.visited]
 
-    given[case], of_case[grounds] = of_case, of_case[grounds] or {}
-    of_case[grounds][body.bytes] = {words = body.summary, request = body.request}
+    of_pass[grounds] = of_pass[grounds] or {}
+    of_pass[grounds][body.bytes] = {words = body.summary, request = body.request}
     given_count = given_count + 1
   end
 
   -- Decodes the useful data, or remembers the result. Returns words for the packet list.
   local function dissect_body(body, record)
     local grounds = find_grounds(body, record)
-    local of_case = grounds and given[case_of(body)]
-    local same = of_case and of_case[grounds]
-    local known, before = same and same[body.bytes], effects + items_made
+    local same = grounds and given[packet.visited][grounds]
+    local known, before = same and same[body.bytes], effects
 
     if known then
       body.request = known.request
@@ -3548,7 +3537,7 @@ do
     end
     begin_body(body, record)
     S.dissect_body(body)
-    if grounds and effects + items_made == before then keep_given(grounds, body) end
+    if grounds and effects == before then keep_given(grounds, body) end
     return body.summary
   end
 
@@ -3829,10 +3818,8 @@ do
 
   -- TCP may split telegrams over segments and pack them into one: sis-transports.
   function sis.dissector(tvb, pinfo, tree)
-    local port_type = pinfo.port_type
-
-    if port_type ~= 0 and S.is_before(pinfo) then return 0 end
-    if port_type == K.PORT_TYPE_TCP then return S.dissect_segment(tvb, pinfo, tree) end
+    if pinfo.port_type ~= 0 and S.is_before(pinfo) then return 0 end
+    if pinfo.port_type == K.PORT_TYPE_TCP then return S.dissect_segment(tvb, pinfo, tree) end
     S.dissect_packet(tvb, pinfo, tree)
   end
 
