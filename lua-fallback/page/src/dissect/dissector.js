@@ -7,6 +7,7 @@ const CAPTURE = "/uploads/capture", TOLD = "/told"; // page.lua reads them, too
 const TOGETHER = 1 << 16; // characters that are written at once
 const PROFILE = "/home/web_user/.config/wireshark";
 const STATISTICS = "srt,tree"; // Wireshark prints the last one first
+const PORTS = "synaxpd.ports"; // of no protocol, unless a preference names them
 const UNWATCHED = { progress: () => {} };
 
 // What Wireshark finds in a personal folder: the profile, and that SIS may be in captures of RTAC.
@@ -41,6 +42,7 @@ export class Dissector {
     this.printed = [];
     this.complaints = [];
     this.session = null;
+    this.hasPorts = false;
     this.task = UNWATCHED; // whose progress is told while the capture is read
   }
 
@@ -63,13 +65,15 @@ export class Dissector {
       const [module, ...key] = name.split(".");
       const { code, error } = this.library.setPref(module, key.join("."), String(value));
       if (code) throw new Error(`${name} = ${value}: ${error || "Wireshark does not know it"}`);
+      if (name === PORTS) this.hasPorts = value !== "";
     }
     this.library.applyPreferences();
   }
 
   // Lets sis.lua make only the fields that some texts name, such as filters; all of them if there are no texts, or if
-  // one names a macro.
+  // one names a macro. While a capture is open, applied preferences give ports back to Wireshark's own protocols.
   want(...texts) {
+    if (this.hasPorts) return;
     const text = texts.join(" ");
     this.prefer({ "sis.fields": text.includes("$") ? "" : (text.match(/[\w.]+/g) ?? []).join() });
   }
