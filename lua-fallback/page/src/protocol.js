@@ -13,7 +13,8 @@ export class Moved {
 }
 
 // In the worker: calls a handler of that name, with a task first: task.progress(part) tells the page how far it is.
-export function serve(handlers, port = self) {
+// `memory` returns how many bytes the program holds.
+export function serve(handlers, memory, port = self) {
   port.onmessage = async ({ data: { id, name, args } }) => {
     try {
       const result = await handlers[name](new Task((progress) => port.postMessage({ id, progress })), ...args);
@@ -21,19 +22,22 @@ export function serve(handlers, port = self) {
       port.postMessage({ id, result: value }, transfer);
     } catch (error) {
       const text = String(error?.message ?? error);
-      if (isFatal(error, text)) port.postMessage({ id, error: `${TOO_MUCH} (${text})`, isBroken: true });
+      if (isFatal(error)) port.postMessage({ id, error: `${memory() > FULL ? TOO_MUCH : DAMAGED} (${text})`, isBroken: true });
       else port.postMessage({ id, error: text });
     }
   };
   port.postMessage({ ready: true });
 }
 
-const TOO_MUCH = "This file is damaged, or needs more memory than a page has: open it in Wireshark itself";
+const FULL = 1.5e9; // bytes; a program of WebAssembly can have 2 GB
+const TOO_MUCH = "This needs more memory than a page has. Cut the capture into parts of 100,000 packets, as " +
+  "editcap -c 100000 does, and open one of them; or open it in Wireshark itself";
+const DAMAGED = "This file is damaged, and Wireshark in this page cannot go on with it: open it in Wireshark itself";
 
 // Whether a program of WebAssembly cannot go on after it: a trap, abort() or exit() of C, no room for its stack or in its
 // memory. What came through Python has only its text.
-const isFatal = (error, text) => error instanceof WebAssembly.RuntimeError || error?.name === "ExitStatus" ||
-  /^(RuntimeError|ExitStatus): |^MemoryError|fatally failed|call stack|too much recursion/.test(text);
+export const isFatal = (error) => error instanceof WebAssembly.RuntimeError || error?.name === "ExitStatus" ||
+  /^(RuntimeError|ExitStatus): |^MemoryError|fatally failed|call stack|too much recursion/.test(String(error?.message ?? error));
 
 class Task {
   constructor(tell) {

@@ -30,7 +30,7 @@ function brokenPeer(open) {
   const worker = { terminate: () => (worker.isTerminated = true), postMessage: (data) => port.onmessage({ data }) };
   const port = { postMessage: (data) => queueMicrotask(() => worker.onmessage({ data })) };
   const peer = new Peer(worker);
-  serve({ open, rows: () => new Promise(() => {}) }, port);
+  serve({ open, rows: () => new Promise(() => {}) }, () => 0, port);
   return { peer, worker };
 }
 

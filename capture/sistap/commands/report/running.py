@@ -48,11 +48,17 @@ def run(args: argparse.Namespace) -> int:
     """Write the report; return the exit code."""
     console = Console()
     name = _format(args)
-    left_out = _Noting(console)
-    args.captures = check_captures(args.captures, left_out, args.output)
-    args.baseline = check_captures(args.baseline, left_out, args.output) if args.baseline else []
+    left_out = checked(args, console)
     _write(args, name, console, left_out)
     return DONE
+
+
+def checked(args: argparse.Namespace, console: Console) -> Noting:
+    """Find the captures that are named, and return what notes those that are left out. May raise Refusal."""
+    left_out = Noting(console)
+    args.captures = check_captures(args.captures, left_out, args.output)
+    args.baseline = check_captures(args.baseline, left_out, args.output) if args.baseline else []
+    return left_out
 
 
 def _format(args: argparse.Namespace) -> str:
@@ -66,7 +72,7 @@ def _format(args: argparse.Namespace) -> str:
     return _ENDINGS[ending]
 
 
-class _Noting:
+class Noting:
     """Says what the report does not have, and notes it: the report says it, too."""
 
     def __init__(self, console: Console) -> None:
@@ -78,7 +84,8 @@ class _Noting:
         self.noted.append(visible(text))
 
 
-def _gather(args: argparse.Namespace, console: Console, left_out: _Noting, *, has_windows: bool) -> Report:
+def gathered(args: argparse.Namespace, console: Console, left_out: Noting, *, has_windows: bool) -> Report:
+    """Read the captures that were checked. May raise Refusal and TsharkError."""
     limits_ms = {name: value for name, value in (("tza", args.tza), ("trs", args.trs)) if value}
     captures, since_s = in_order(args.captures), -math.inf
     if args.since:
@@ -98,7 +105,7 @@ def _gather(args: argparse.Namespace, console: Console, left_out: _Noting, *, ha
     return report
 
 
-def _before(args: argparse.Namespace, tshark: Tshark, left_out: _Noting) -> Engine | None:
+def _before(args: argparse.Namespace, tshark: Tshark, left_out: Noting) -> Engine | None:
     """Return what knows the good captures, if there are any."""
     if not args.baseline:
         return None
@@ -106,11 +113,11 @@ def _before(args: argparse.Namespace, tshark: Tshark, left_out: _Noting) -> Engi
         return learned(tshark, files, args.thresholds)
 
 
-def _write(args: argparse.Namespace, name: str, console: Console, left_out: _Noting) -> None:
+def _write(args: argparse.Namespace, name: str, console: Console, left_out: Noting) -> None:
     """Open the file before the work, which may take minutes."""
     path = args.output or (f"report.{name}" if FORMATS[name].is_file else STANDARD_OUTPUT)
     with opened(path, args.captures, force=args.force) as file:
-        report = _gather(args, console, left_out, has_windows=FORMATS[name].has_windows)
+        report = gathered(args, console, left_out, has_windows=FORMATS[name].has_windows)
         file.write(FORMATS[name].write(report, args.title, args.note))
     if path != STANDARD_OUTPUT:
         console.say(f"{path} written")

@@ -55,6 +55,11 @@ export class Dissector {
     this.library.init();
   }
 
+  // Bytes; they never get fewer.
+  get memory() {
+    return this.library.HEAPU8.length;
+  }
+
   get version() {
     return this.library.wiresharkVersion();
   }
@@ -93,7 +98,7 @@ export class Dissector {
       throw new Error("Wireshark cannot read this file: it is no capture, or it is damaged from its beginning on. If it is a recording of another program, save it there as text");
     }
     return { packets: summary.packet_count, link: summary.file_encap_type, seconds: summary.elapsed_time,
-      memory: this.library.HEAPU8.length,
+      memory: this.memory,
       trouble: code ? "The capture is cut off or damaged: this is what comes before the damage." : "" };
   }
 
@@ -208,6 +213,9 @@ export class Dissector {
     return graphs;
   }
 }
+
+// Bytes of memory of a Wireshark that opens one capture after the other; then another one goes on.
+export const LARGEST = 700_000_000;
 
 // What a person may change, as Wireshark has it.
 export const USUAL = { "sis.edition": "IF02", "sis.tza_ms": 0, "sis.trs_ms": 0 };

@@ -44,8 +44,19 @@ Field.new = function(name)
   end
 end
 
+-- sis.lua lets garbage lie, because that is quick. In a page it would fill the 2 GB that WebAssembly has.
+local ROOM = 64 * 1024 -- kB of garbage
+local most = ROOM
+
+local function collect()
+  if collectgarbage("count") < most then return end
+  collectgarbage()
+  most = collectgarbage("count") + ROOM
+end
+
 function page.dissector(_, pinfo)
   if not pinfo.visited then packet = pinfo.number end
+  collect()
 end
 
 register_postdissector(page)

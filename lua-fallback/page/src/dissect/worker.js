@@ -20,4 +20,4 @@ serve({
   },
   ...Object.fromEntries(WITH_TASK.map((name) => [name, (task, ...args) => dissector[name](task, ...args)])),
   ...Object.fromEntries(PLAIN.map((name) => [name, (task, ...args) => dissector[name](...args)])),
-});
+}, () => dissector?.memory);

@@ -3,30 +3,34 @@
 
 import { Stopped } from "../protocol.js";
 import { button, element, plural, table } from "./dom.js";
-import { reported } from "./report.js";
+import { judge } from "./judging.js";
 
 const AT_ONCE = 5000; // packets of a capture that is judged without being asked: some seconds
-const MOST = 200; // packets in a filter
 const UNUSUAL = 5; // a slowest answer that takes so many times what half of the answers take is worth a look
 
 const ms = (seconds) => `${(seconds * 1000).toFixed(seconds < 0.1 ? 1 : 0)} ms`;
 
 export class Answer {
-  constructor(capture, { applyFilter, showing, tellLimits }) {
+  constructor(capture, { applyFilter, goTo, showing, tellLimits }) {
     this.capture = capture;
     this.applyFilter = applyFilter;
+    this.goTo = goTo;
     this.tellLimits = tellLimits;
     this.bar = element("div", { className: "answer-bar", role: "status" });
     this.body = element("div", {});
     this.root = element("section", { className: "page", "aria-labelledby": "answer-title" },
       element("h1", { id: "answer-title" }, "What happened"), this.body);
-    this.root.enter = () => this.found || showing(() => capture.long("Looking for faults", (options) => this.look(options)));
+    this.root.enter = () => this.found || showing(() => capture.long("Looking for faults", (options) => judge(capture, options)));
     capture.addEventListener("opened", () => this.begin());
     capture.addEventListener("grown", () => this.forget());
+    capture.addEventListener("judged", () => this.show());
+  }
+
+  get found() {
+    return this.capture.found;
   }
 
   forget() {
-    this.found = null;
     this.bar.replaceChildren();
     this.body.replaceChildren();
   }
@@ -40,30 +44,28 @@ export class Answer {
   }
 
   offer() {
+    this.bar.className = "answer-bar";
     this.bar.replaceChildren(button("What happened here?", () => (location.hash = "#answer")));
   }
 
   // Looks while a person already reads. Whatever else needs sistap ends it.
   async lookAside() {
+    this.bar.className = "answer-bar";
     this.bar.replaceChildren("Looking for faults ...");
     try {
-      await this.look({ givesWay: true });
+      await judge(this.capture, { givesWay: true });
     } catch (error) {
-      if (error instanceof Stopped) this.offer();
-      else this.bar.replaceChildren(error.message);
+      if (!(error instanceof Stopped)) this.bar.replaceChildren(error.message);
+      else if (!this.found) this.offer();
     }
   }
 
-  async look(options) {
-    const { bytes } = this.capture;
-    const found = JSON.parse(new TextDecoder().decode(await reported(this.capture, "json", options)));
-    if (bytes !== this.capture.bytes) return;
-    this.found = found;
-    const { answer: [first, ...lines] } = found;
-    this.bar.className = `answer-bar ${verdict(found)}`;
+  show() {
+    const { answer: [first, ...lines] } = this.found;
+    this.bar.className = `answer-bar ${verdict(this.found)}`;
     this.bar.replaceChildren(element("b", {}, first), " ", ...this.slowest(), ...this.silent(), ...this.unjudged(), " ", element("a", { href: "#answer" }, "What happened"));
     this.body.replaceChildren(element("ul", { className: "answer" }, ...[first, ...lines].map((line) => element("li", {}, line))),
-      ...this.asked(), ...this.stations(), ...this.episodes());
+      ...this.asked(), ...this.stations(), ...this.episodes(), ...this.parameters());
   }
 
   // What cannot be judged, because neither the bus nor a person has told the limit.
@@ -115,14 +117,33 @@ export class Answer {
 
   episodes() {
     const { episodes } = this.found;
-    const words = ({ length }) => (length > MOST ? `The first ${MOST} of ${length}` : plural(length, "packet"));
-    const rows = episodes.map(({ from, severity, text, packets }) => [new Date(from).toLocaleString("sv-SE"), severity, text, words(packets)]);
-    const show = (packets) => () => this.applyFilter(`frame.number in {${packets.slice(0, MOST).join(", ")}}`);
+    const words = ({ count, packets: { length } }) => (length < count ? `${length} of ${count} packets` : plural(length, "packet"));
+    const rows = episodes.map((one) => [new Date(one.from).toLocaleString("sv-SE"), one.severity, one.text, words(one)]);
+    const show = (packets) => () => this.applyFilter(`frame.number in {${packets.join(", ")}}`);
     const cell = (text, place, row) => (place === 3 && episodes[row].packets.length ? button(text, show(episodes[row].packets), { className: "link" }) : text);
     return [element("h2", {}, "What was found"),
       rows.length ? table([["From", "Severity", "What", "Packets"], ...rows], { name: "Episodes", cell }) : element("p", {}, "Nothing.")];
   }
+
+  parameters() {
+    const { parameters } = this.found;
+    if (!parameters.length) return [];
+    const rows = parameters.map(({ ident, name, station, reads, writes, errors, first, last, written_in: written }) =>
+      [ident, name, station, ...[reads, writes, errors].map(String), first, last, written ? String(written) : ""]);
+    const cell = (text, place, row) => {
+      if (place === 0) return this.toParameter(parameters[row]);
+      return place === 8 && text ? button(text, () => this.goTo(Number(text)), { className: "link", "aria-label": `Packet ${text}` }) : text;
+    };
+    return [element("h2", {}, "What was read and written"), table([PARAMETERS, ...rows], { name: "Parameters", numeric: [3, 4, 5, 8], cell })];
+  }
+
+  toParameter({ ident, station }) {
+    const filter = `sis.parameter == "${ident}"${/^\d+$/.test(station) ? ` && sis.station == ${station}` : ""}`;
+    return button(ident, () => this.applyFilter(filter), { className: "link", title: filter });
+  }
 }
+
+const PARAMETERS = ["Parameter", "Name", "Station", "Reads", "Writes", "Errors", "First", "Last", "Written in"];
 
 // The colour of the bar: plain where something is to be looked at, or was not judged.
 function verdict({ ok, look, not_judged: unjudged }) {

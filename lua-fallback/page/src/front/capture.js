@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The capture that is open: its rows under the present filter, and the selected packet. Views listen to its events:
-// "opened", "noted", "closed", "filtered", "rows", "selected", "marked", "busy".
+// "opened", "noted", "closed", "filtered", "rows", "selected", "marked", "judged", "busy".
 
-import { USUAL, forFigures } from "../dissect/dissector.js";
+import { LARGEST, USUAL, forFigures } from "../dissect/dissector.js";
 import { startWireshark } from "./engine.js";
 
 const BLOCK = 64; // rows that are fetched at once
-const LARGEST = 700_000_000; // bytes of memory of a Wireshark that opens one capture after the other; then another goes on
 
 export class Capture extends EventTarget {
   constructor() {
@@ -37,18 +36,26 @@ export class Capture extends EventTarget {
     this.dropFigures();
   }
 
-  // Of a Wireshark that breaks down, another one takes the place, without the capture.
+  // Of a Wireshark that breaks down, another one takes the place. It opens the capture again; what cannot be opened is
+  // not open then.
   watched(starting) {
     const replace = () => {
       this.viewer = this.watched(startWireshark());
-      this.forget();
-      this.tell("closed");
+      if (this.isOpen) {
+        const { name, bytes, log, imported, number, preferences } = this;
+        this.open(name, bytes, { log, imported, number, preferences }).catch(() => {});
+      } else {
+        this.forget();
+        this.tell("closed");
+      }
     };
     starting.then((viewer) => (viewer.onbroken = replace), () => {});
     return starting;
   }
 
   dropFigures() {
+    this.found = null; // what `sistap report` says, as judging.js has it, and its page
+    this.page = null;
     this.figuresFound = null;
     this.counter?.then((peer) => peer.end());
     this.counter = null; // a promise of the second Wireshark
@@ -113,9 +120,11 @@ export class Capture extends EventTarget {
 
   // Opens a capture of Wireshark. `log` and `imported`: see remarks.js. `filter` and `number` are kept when it is opened again.
   async open(name, bytes, { log = null, imported = null, filter = "", number = 0, preferences = this.kept } = {}) {
+    if (this.memory > LARGEST) await this.replaceViewer();
     await this.prefer(preferences);
     this.forget();
     const about = await this.ask(`Opening ${name}`, "open", [bytes]);
+    this.memory = about.memory;
     Object.assign(this, { name, bytes, log, imported, packets: about.packets, seconds: about.seconds, link: about.link });
     this.trouble = about.trouble;
     this.matched = about.packets;
@@ -148,6 +157,7 @@ export class Capture extends EventTarget {
     await next.call("prefer", [{ ...USUAL, ...this.preferences }]);
     (await this.viewer).end();
     this.viewer = this.watched(Promise.resolve(next));
+    this.memory = 0;
   }
 
   // Uses a display filter; throws Wireshark's words if it is not valid. A packet that it hides is not selected any longer.

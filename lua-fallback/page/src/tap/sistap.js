@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // sistap in Python for WebAssembly (Pyodide). Runs in a worker and in node.
 
+import { LARGEST } from "../dissect/dissector.js";
 import { Tables } from "./rows.js";
 
-const CAPTURE = ".log.pcapng";
+const CAPTURE = ".log.pcapng", PAGE = ".report.html", FIGURES = ".report.json";
 const LIBRARY = "/lib/sistap", WORK = "/work";
 // Pyodide's list of packages: none are needed.
 const NO_PACKAGES = {
@@ -51,6 +52,15 @@ export class Sistap {
   wireshark = null; // a Dissector
   said = "";
 
+  // Lets a Wireshark go that holds more memory than the next capture leaves it.
+  rest() {
+    if (this.wireshark?.memory > LARGEST) this.tables.leave();
+  }
+
+  get memory() {
+    return Math.max(this.wireshark?.memory ?? 0, this.python._module.HEAPU8.length);
+  }
+
   hear(bytes) {
     this.said += new TextDecoder().decode(bytes);
     return bytes.length;
@@ -72,6 +82,19 @@ export class Sistap {
       throw new Error(said(error));
     } finally {
       run.destroy();
+      this.tidy();
+    }
+  }
+
+  // What `sistap report` says of a capture: {page, figures}, bytes of HTML and of JSON. `words` are options of the command.
+  judge(task, name, bytes, words = []) {
+    const { FS } = this.python;
+    FS.writeFile(`${WORK}/${name}`, bytes);
+    this.task = task;
+    try {
+      this.using("sistap.commands.web.judging", (judging) => judging.judge([name, ...words], PAGE, FIGURES));
+      return { page: FS.readFile(`${WORK}/${PAGE}`), figures: FS.readFile(`${WORK}/${FIGURES}`) };
+    } finally {
       this.tidy();
     }
   }

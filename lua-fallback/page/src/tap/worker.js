@@ -18,6 +18,15 @@ const PLAIN = ["scenarios", "play", "listen", "switch", "step", "window", "end"]
 
 let sistap, startWireshark;
 
+async function withWireshark(name, [task, ...args]) {
+  sistap.wireshark ??= await startWireshark();
+  try {
+    return sistap[name](task, ...args);
+  } finally {
+    sistap.rest();
+  }
+}
+
 serve({
   async start(task, { pythonCode, pythonLibrary, files, wireshark }) {
     startWireshark = () => startDissector(self.loadWiregasm, { ...wireshark, files: { ...wireshark.files, ...OWN_FILES } });
@@ -35,10 +44,13 @@ serve({
   },
   log: (task, ...args) => sistap.log(task, ...args),
   // Runs a command of sistap on files: returns {code, said, written}, those files that it has written.
-  async command(task, words, files, wanted) {
-    sistap.wireshark ??= await startWireshark();
-    const result = sistap.command(task, words, files, wanted);
-    return new Moved(result, Object.values(result.written).map((bytes) => bytes.buffer));
+  async command(...args) {
+    const result = await withWireshark("command", args);
+    return new Moved(result, Object.values(result.written).map(({ buffer }) => buffer));
+  },
+  async judge(...args) {
+    const { page, figures } = await withWireshark("judge", args);
+    return new Moved({ page, figures }, [page.buffer, figures.buffer]);
   },
   ...Object.fromEntries(PLAIN.map((name) => [name, (task, ...args) => sistap[name](...args)])),
-});
+}, () => sistap?.memory);
