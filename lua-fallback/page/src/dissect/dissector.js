@@ -8,13 +8,13 @@ const TOGETHER = 1 << 16; // characters that are written at once
 const PROFILE = "/home/web_user/.config/wireshark";
 const STATISTICS = "srt,tree"; // Wireshark prints the last one first
 const PORTS = "synaxpd.ports"; // of no protocol, unless a preference names them
-const UNWATCHED = { progress: () => {} };
+/** @type {Watched} */ const UNWATCHED = { progress: () => {} };
 
 // What Wireshark finds in a personal folder: the profile, and that SIS may be in captures of RTAC.
 const OWN_FILES = { decode_as_entries: "decode_as_entry: rtacser.data,0,(none),SIS\n" };
 
 // Returns the items of a vector of C++, each through a function, and frees it.
-function taken(vector, of = (item) => item) {
+function taken(vector, of = (/** @type {any} */ item) => item) {
   const items = [];
   for (let place = 0; place < vector.size(); place++) items.push(of(vector.get(place)));
   vector.delete();
@@ -24,7 +24,20 @@ function taken(vector, of = (item) => item) {
 const colour = (number) => `#${number.toString(16).padStart(6, "0")}`;
 const UNCOLOURED = 1; // wiregasm's background of a packet that no rule colours
 
+/** A row of the list; `paper` and `ink` are colours, or "".
+ * @typedef {{number: number, cells: string[], paper: string, ink: string}} Row */
+/** An item of a packet's tree: where its bytes are in a source, and the packet that a link leads to.
+ * @typedef {{label: string, filter: string, start: number, length: number, source: number, severity: string, type: string,
+ *   to: number, tree: Item[]}} Item */
+/** A packet, with all bytes that it is made of.
+ * @typedef {{tree: Item[], sources: {name: string, bytes: Uint8Array}[], comments: string[]}} Packet */
+/** Whose progress is told, from 0 to 1.
+ * @typedef {{progress: (part: number) => void}} Watched */
+
 export class Dissector {
+  /** @type {any} */ library; // wiregasm's module
+  /** @type {any} */ session; // its capture, or null
+
   // `load` is wiregasm's loader, `files` the texts of sis.lua, page.lua and the profile, by name.
   static async start(load, files, options = {}) {
     const dissector = new Dissector();
@@ -83,7 +96,9 @@ export class Dissector {
     this.prefer({ "sis.fields": text.includes("$") ? "" : (text.match(/[\w.]+/g) ?? []).join() });
   }
 
-  // Opens a capture; returns how many packets it has, and what is wrong with it.
+  /** Opens a capture; returns how many packets it has, and what is wrong with it.
+   * @param {Watched} task
+   * @param {Uint8Array} bytes */
   open(task, bytes) {
     this.close();
     const { FS, DissectSession } = this.library;
@@ -140,6 +155,8 @@ export class Dissector {
     };
   }
 
+  /** @param {Watched} task
+   * @param {() => any} work */
   during(task, work) {
     this.task = task;
     try {
@@ -159,8 +176,14 @@ export class Dissector {
     return taken(this.library.completeFilter(beginning).fields);
   }
 
-  // Returns how many packets a filter leaves, and some rows of them: {number, cells, paper, ink}. Wireshark remembers
-  // which packets pass a filter. `fields` are all those of the columns, if no rows are coloured.
+  /** Returns how many packets a filter leaves, and some rows of them. Wireshark remembers which packets pass a filter.
+   * `fields` are all those of the columns, if no rows are coloured.
+   * @param {Watched} task
+   * @param {string} filter
+   * @param {number} skip
+   * @param {number} limit
+   * @param {string[]} fields
+   * @returns {{matched: number, rows: Row[]}} */
   rows(task, filter, skip, limit, fields = []) {
     const trouble = filter && this.trouble(filter);
     if (trouble) throw new Error(trouble);
@@ -177,7 +200,8 @@ export class Dissector {
     return { matched, rows };
   }
 
-  // Returns a packet: {tree, sources}. A tree is a list of {label, filter, start, length, source, kind, to, tree}.
+  /** @param {number} number
+   * @returns {Packet} */
   packet(number) {
     this.want();
     const { tree, data_sources, comments, follow } = this.session.getFrame(number);

@@ -45,7 +45,7 @@ Field.new = function(name)
 end
 
 -- sis.lua lets garbage lie, because that is quick. In a page it would fill the 2 GB that WebAssembly has.
-local ROOM = 64 * 1024 -- kB of garbage
+local ROOM = 128 * 1024 -- kB of garbage
 local most = ROOM
 
 local function collect()

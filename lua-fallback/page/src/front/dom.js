@@ -17,8 +17,10 @@ export function element(tag, attributes = {}, ...children) {
 
 export const button = (text, onclick, attributes = {}) => element("button", { type: "button", onclick, ...attributes }, text);
 
-// Makes a table of texts; the first row is its head. `name` is for those who do not see it, `numeric` says which columns
-// stand to the right.
+/** Makes a table of texts; the first row is its head. `name` is for those who do not see it, `numeric` says which columns
+ * stand to the right, and `cell` what a cell has.
+ * @param {string[][]} rows
+ * @param {{name: string, numeric?: number[], cell?: (text: string, place: number, row: number) => string | Node}} options */
 export function table(rows, { name, numeric = [], cell = (text) => text }) {
   const [head, ...body] = rows;
   const side = (place) => (numeric.includes(place) ? "number" : "");

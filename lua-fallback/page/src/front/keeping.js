@@ -63,6 +63,7 @@ export class InStorage {
     this.number = 0; // of the next piece
     this.chunks = []; // that are not written yet
     this.writtenMs = performance.now();
+    /** @type {((value?: any) => void) | undefined} */ this.release = undefined; // lets other pages offer it
   }
 
   // Begins a capture. While this page is open, no other one offers it.

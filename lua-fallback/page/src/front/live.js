@@ -14,6 +14,9 @@ const LARGEST = 200_000_000; // bytes of a capture that is opened at its end
 export class Live {
   // `source`: {title, name, controls, preferences, next(), close()}; next returns {chunk, said, isOver}, close what is not stepped yet.
   // `kept` is where the blocks go, see keeping.js; `file` is one that a person has named for them, open to write, or null.
+  /** @param {any} capture
+   * @param {any} source
+   * @param {{kept?: any, file?: any}} options */
   constructor(capture, source, { kept = new InMemory(), file = null } = {}) {
     this.capture = capture;
     this.source = source;

@@ -8,7 +8,7 @@ export async function part(name) {
   const holder = await elementOf(name);
   const isPacked = "packed" in holder.dataset;
   const { address } = holder.dataset;
-  return address ? { address: new URL(address, location).href, isPacked } : { bytes: fromBase64(holder.textContent), isPacked };
+  return address ? { address: new URL(address, location.href).href, isPacked } : { bytes: fromBase64(holder.textContent), isPacked };
 }
 
 export const partText = async (name) => text(await part(name));

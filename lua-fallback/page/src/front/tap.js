@@ -30,7 +30,11 @@ export async function tap() {
 
 let yielding = null; // a call that gives way to any other
 
-// Calls sistap; `signal` ends it, and then the promise fails. A call that gives way ends when the next one comes.
+/** Calls sistap; `signal` ends it, and then the promise fails. A call that gives way ends when the next one comes.
+ * @param {string} name
+ * @param {any[]} args
+ * @param {{signal?: AbortSignal, progress?: (part: number) => void, givesWay?: boolean}} options
+ * @returns {Promise<any>} */
 export async function callTap(name, args, { signal, progress, givesWay = false } = {}) {
   yielding?.abort();
   yielding = null;

@@ -49,7 +49,11 @@ export class Sistap {
     return sistap;
   }
 
-  wireshark = null; // a Dissector
+  /** @type {import("../dissect/dissector.js").Dissector | null} */ wireshark = null;
+  /** @type {any} */ python; // Pyodide's module
+  /** @type {Tables} */ tables;
+  /** @type {any} */ live; // of Python: what plays or listens
+  /** @type {import("../dissect/dissector.js").Watched} */ task;
   said = "";
 
   // Lets a Wireshark go that holds more memory than the next capture leaves it.

@@ -18,10 +18,10 @@ const PLAIN = ["scenarios", "play", "listen", "switch", "step", "window", "end"]
 
 let sistap, startWireshark;
 
-async function withWireshark(name, [task, ...args]) {
+async function withWireshark(name, args) {
   sistap.wireshark ??= await startWireshark();
   try {
-    return sistap[name](task, ...args);
+    return sistap[name](...args);
   } finally {
     sistap.rest();
   }
