@@ -16,7 +16,7 @@ export function exportDialog(capture, columns, { showing }) {
     showing(work);
   };
   const baseName = () => capture.name.replace(/\.(pcapng|pcap|txt|log|csv)$/i, "");
-  dialog.open_ = () => {
+  const open = () => {
     const shown = plural(capture.matched, "packet");
     dialog.replaceChildren(element("h2", { id: "export-title" }, "Export"),
       element("ul", { className: "actions" },
@@ -29,7 +29,7 @@ export function exportDialog(capture, columns, { showing }) {
       button("Close", () => dialog.close()));
     dialog.showModal();
   };
-  return dialog;
+  return { root: dialog, open };
 }
 
 const item = (text, onclick) => element("li", {}, button(text, onclick));

@@ -2,8 +2,9 @@
 // The packet list: only the rows that are seen are elements. Arrow keys, Page and Home, End move the selection.
 
 import { element } from "./dom.js";
+import { isFault } from "./rule.js";
 
-const ROW = 24; // pixels, as in page.css
+const ROW = 22; // pixels, as in page.css
 const MORE = 8; // rows above and below those that are seen
 const SAMPLE = 40; // rows that decide on widths, with the last number and time of the capture
 const WIDEST = 26, WIDEST_TEXT = 54; // characters, but for the last column; of what the packet says
@@ -81,8 +82,9 @@ export class PacketList {
   write(row, { number, cells, paper, ink }) {
     row.classList.remove("waiting");
     row.number = number;
-    row.style.background = paper;
-    row.style.color = ink;
+    row.classList.toggle("fault", isFault(paper));
+    row.style.setProperty("--rule", paper || "transparent");
+    row.style.setProperty("--rule-ink", ink);
     cells.forEach((text, place) => {
       const { digits } = this.columns[place];
       row.children[place].textContent = digits === null || !text.includes(".") ? text : text.slice(0, text.indexOf(".") + 1 + digits);

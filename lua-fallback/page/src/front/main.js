@@ -15,6 +15,7 @@ import { exportDialog } from "./export.js";
 import { importBytes, openBytes, openPasted, visible } from "./files.js";
 import { FilterBar } from "./filter.js";
 import { findingsView } from "./findings.js";
+import { folded } from "./folded.js";
 import { followView, streamOf } from "./follow.js";
 import { PacketList } from "./list.js";
 import { listenView } from "./listen.js";
@@ -107,12 +108,13 @@ function packetsView(profile, answer) {
     views.follow.begin(streamOf(capture.packet));
   }, { title: "All telegrams of the two stations of this packet" });
   capture.addEventListener("selected", () => (follow.disabled = streamOf(capture.packet) === undefined));
-  filter.quick.append(element("span", { className: "right-side" }, follow, button("Limits", tellLimits),
-    button("Export", exporting.open_)));
+  const exportButton = button("Export", exporting.open);
+  for (const event of ["busy", "opened", "grown", "closed"]) capture.addEventListener(event, () => (exportButton.disabled = !capture.isOpen));
+  filter.acts.append(follow, button("Limits", tellLimits), exportButton);
   const logPane = element("div", { className: "pane log-pane", hidden: true }, log.root);
   const below = element("div", { className: "below" }, element("div", { className: "pane" }, tree.root, tree.said),
     element("div", { className: "pane" }, bytes.root), logPane);
-  const notes = element("div", {});
+  const notes = element("div", { className: "notes" });
   const again = () => importOtherwise(capture.imported.said.join(" "), { name: capture.name, ...capture.imported });
   const showNotes = () => notes.replaceChildren(capture.trouble, ...remarksOf(capture, again));
   capture.addEventListener("noted", showNotes);
@@ -125,7 +127,8 @@ function packetsView(profile, answer) {
     });
   }
   return element("section", { className: "packets", "aria-label": "Packets" },
-    element("h1", { className: "visually-hidden" }, "Packets"), answer.bar, filter.root, notes, list.root, splitter(list.root), below, exporting);
+    element("h1", { className: "visually-hidden" }, "Packets"), folded(answer.bar, "what happened"), filter.root,
+    folded(notes, "notes"), list.root, splitter(list.root), below, exporting.root);
 }
 
 function showBusy() {
@@ -143,7 +146,7 @@ function showBusy() {
 
 function route() {
   const asked = location.hash.slice(1).split("/")[0];
-  const name = asked in views && (capture.isOpen || asked in PAGES) ? asked : "open";
+  const name = Object.hasOwn(views, asked) && (capture.isOpen || Object.hasOwn(PAGES, asked)) ? asked : "open";
   if (name !== shown) views[shown]?.leave?.();
   shown = name;
   if (name !== "learn") find("#main").append(views.packets); // a lesson has it beside its text
@@ -195,7 +198,7 @@ async function begin() {
     find("#of-capture").hidden = true;
     route();
   });
-  addEventListener("beforeunload", (event) => capture.live && event.preventDefault()); // the browser asks
+  addEventListener("beforeunload", (event) => (capture.live || capture.isOpen) && event.preventDefault()); // the browser asks
   addEventListener("hashchange", () => {
     trouble(""); // it was about the view before
     route();

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The view of packets, by what a person sees: its rows, tree, bytes, filters."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from test_page_browser import CAPTURE, choose, docklight, idle, tab_to, text_of
+
+from chromium import Chromium
+from make import HERE as CAPTURES
+
+pytestmark = [pytest.mark.thorough, pytest.mark.timeout(600)]
+
+SILENCE = CAPTURES / "course" / "10-silence.pcapng"  # station 9 never answers
+ROWS = "[...document.querySelectorAll('.packet-list .rows .row')].sort((a, b) => a.ariaRowIndex - b.ariaRowIndex)"
+SAID = "document.querySelector('#filter-said').textContent"
+
+
+def heights(browser: Chromium, *selectors: str) -> list[float]:
+    shown = "document.querySelector(selector).getBoundingClientRect().height"
+    return list(browser.run(f"{list(selectors)}.map((selector) => {shown})"))
+
+
+def colours(browser: Chromium, row: int) -> dict[str, str]:
+    """Return the colours of a row; 1 is the first one."""
+    styles = "(({color, backgroundColor, borderLeftColor}) => ({color, backgroundColor, borderLeftColor}))"
+    return dict(browser.run(f"{styles}(getComputedStyle({ROWS}[{row - 1}]))"))
+
+
+def judged(browser: Chromium) -> None:
+    browser.until("/Slowest/.test(document.querySelector('.answer-bar').textContent)")
+
+
+def test_most_of_a_small_screen_is_packets(chromium: Chromium, tmp_path: Path) -> None:
+    """A head, a line that says what happened, a line of filters; the rest of the answer is a button away."""
+    log = tmp_path / "docklight.txt"
+    log.write_text(docklight(), newline="")
+    chromium.size(1366, 768)
+    choose(chromium, log)
+    judged(chromium)
+    head, answer, filters = heights(chromium, "header", ".folded", ".filter-bar")
+    assert (head, answer < 32, filters < 40) == (40, True, True)
+    assert sum(heights(chromium, ".packet-list", ".below")) >= 600
+    chromium.click("More")
+    assert heights(chromium, ".folded")[0] > answer
+    assert chromium.run("document.querySelector('.folded button.small').ariaExpanded") == "true"
+    chromium.click("Less")
+    assert heights(chromium, ".folded")[0] == answer
+
+
+def test_who_goes_into_the_folded_answer_by_tab_sees_it(chromium: Chromium, tmp_path: Path) -> None:
+    log = tmp_path / "docklight.txt"
+    log.write_text(docklight(), newline="")
+    chromium.size(390, 844)
+    choose(chromium, log)
+    judged(chromium)
+    tab_to(chromium, ".answer-bar [href='#answer']")
+    assert chromium.run("document.querySelector('.folded').classList.contains('unfolded')")
+
+
+def test_the_row_of_filters_counts_what_they_leave(chromium: Chromium) -> None:
+    """What is wrong with a filter moves nothing: it stands over the list. Escape takes it away."""
+    choose(chromium, SILENCE)
+    assert chromium.run(SAID) == "23 packets"
+    before = heights(chromium, ".filter-bar")
+    tab_to(chromium, "#filter")
+    chromium.type("sis.nonsense")
+    chromium.until(f"/nonsense/.test({SAID})")
+    assert heights(chromium, ".filter-bar") == before
+    chromium.press("Escape", 27)
+    assert chromium.run(SAID) == "23 packets"
+    chromium.click("Unanswered")
+    chromium.until(f"/of 23 packets/.test({SAID})")
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_only_faults_have_coloured_rows(dark: bool, chromium: Chromium) -> None:
+    """Packet 1 is a command, 5 has no reaction. The selected row has one colour of its own."""
+    choose(chromium, SILENCE)
+    chromium.size(1366, 768, dark=dark)
+    chromium.run(f"{ROWS}[1].click()")
+    chromium.until(f"{ROWS}[1].matches('.selected')")
+    paper = chromium.run("getComputedStyle(document.querySelector('.packet-list .rows')).backgroundColor")
+    assert paper == "rgba(0, 0, 0, 0)"
+    command, selected, fault = (colours(chromium, row) for row in (1, 2, 5))
+    assert command["backgroundColor"] == paper
+    assert command["borderLeftColor"] == "rgb(127, 166, 196)"  # as the profile has it
+    assert fault["backgroundColor"] != paper
+    assert fault["borderLeftColor"] == "rgb(117, 78, 175)"
+    assert selected["backgroundColor"] not in (paper, fault["backgroundColor"])
+    assert chromium.run("getComputedStyle(document.querySelector('.row.selected')).fontWeight") == "400"
+
+
+@pytest.mark.parametrize("address", ["constructor", "__proto__", "packets/sis", "packets/%", "toString/x"])
+def test_no_address_leads_to_an_empty_page(address: str, chromium: Chromium, page: Path) -> None:
+    chromium.open(f"{page.as_uri()}#{address}")
+    chromium.run(f"location.hash = '#{address}'")
+    chromium.until("document.documentElement.dataset.ready")
+    assert chromium.run("document.querySelector('#chooser').checkVisibility()")
+
+
+def test_nothing_is_exported_while_nothing_is_open(chromium: Chromium) -> None:
+    """While a capture is opened again with other limits, for example."""
+    disabled = "[...document.querySelectorAll('.acts button')].find((one) => one.textContent === 'Export').disabled"
+    choose(chromium, CAPTURE)
+    assert chromium.run(disabled) is False
+    chromium.run(f"""{{
+      globalThis.seen = [];
+      new MutationObserver(() => seen.push({disabled})).observe(document.querySelector('#busy'), {{attributes: true}});
+    }}""")
+    chromium.click("Limits")
+    chromium.click("Use them")
+    chromium.until("seen.length > 1")
+    idle(chromium)
+    assert chromium.run("seen[0]") is True
+    assert chromium.run(disabled) is False
+
+
+def asks_before_it_ends(browser: Chromium) -> Any:
+    return browser.run("!dispatchEvent(new Event('beforeunload', {cancelable: true}))")
+
+
+def test_reload_asks_whether_the_capture_may_go(chromium: Chromium) -> None:
+    assert not asks_before_it_ends(chromium)
+    choose(chromium, CAPTURE)
+    assert asks_before_it_ends(chromium)
