@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,10 @@ from test_page_browser import CAPTURE, choose, docklight, idle, tab_to, text_of
 
 from chromium import Chromium
 from make import HERE as CAPTURES
+from sistap.tap.files.pcapng import LINKTYPE_WIRESHARK_UPPER_PDU, Interface
+from sistap.tap.files.writer import Blocks
+from sistap.tap.line.settings import LineSettings
+from sistap.tap.records.record import Record, Type
 
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(600)]
 
@@ -127,3 +132,114 @@ def test_reload_asks_whether_the_capture_may_go(chromium: Chromium) -> None:
     assert not asks_before_it_ends(chromium)
     choose(chromium, CAPTURE)
     assert asks_before_it_ends(chromium)
+
+
+FOCUSED = "document.activeElement.firstChild.textContent"
+ITEMS = "document.querySelectorAll('.tree li').length"
+DUMP = "document.querySelector('.dump')"
+
+
+def long_record(characters: int) -> bytes:
+    """Make a capture: a short record, and one whose characters all came after pauses, so that each is shown."""
+    settings = LineSettings(19200)
+    blocks = Blocks({0: Interface(LINKTYPE_WIRESHARK_UPPER_PDU, "line")})
+    begin_ns = 10**18
+
+    def record(count: int, time_ns: int) -> Record:
+        data = bytes(7 * place & 0xFF for place in range(count))
+        pauses = [settings.character_ns + 10_000_000 * (1 + place % 7) for place in range(count)]
+        return Record(time_ns, Type.OTHER, 0, settings, data, pauses, bytes(count), 310_000)
+
+    section = blocks.section()
+    made = [blocks.packet(record(count, begin_ns + place)) for place, count in enumerate((3, characters))]
+    return section + b"".join(made)
+
+
+def select(browser: Chromium, row: int) -> None:
+    """Click on a row; 1 is the first one."""
+    browser.run(f"{ROWS}[{row - 1}].click()")
+    browser.until(f"{ROWS}[{row - 1}].matches('.selected')")
+
+
+def focus_item(browser: Chromium, words: str) -> None:
+    """Click on the item of the tree whose text begins so."""
+    browser.run(f"""[...document.querySelectorAll('.tree .label')]
+      .find((one) => one.textContent.startsWith({json.dumps(words)})).click()""")
+
+
+def test_a_record_of_43_000_characters_does_not_freeze_the_page(chromium: Chromium, tmp_path: Path) -> None:
+    """Its tree has 129,000 items. Those that are seen are made."""
+    capture = tmp_path / "long.pcapng"
+    capture.write_bytes(long_record(43_000))
+    choose(chromium, capture)
+    select(chromium, 2)
+    chromium.run("""{
+      globalThis.longest = 0;
+      addEventListener("keydown", () => {
+        const begin = performance.now();
+        setTimeout(() => requestAnimationFrame(() => setTimeout(() => (longest = Math.max(longest, performance.now() - begin)))));
+      }, true);
+    }""")
+    focus_item(chromium, "Serial tap")
+    chromium.press("ArrowRight", 39)
+    focus_item(chromium, "43000 characters")
+    chromium.press("ArrowRight", 39)
+    chromium.press("ArrowDown", 40)
+    assert chromium.run(FOCUSED).startswith("Character 1:")
+    chromium.press("ArrowRight", 39)
+    assert chromium.run(ITEMS) < 1000
+    chromium.until("longest > 0")
+    assert chromium.run("longest") < 500
+
+
+def test_a_long_branch_goes_on_where_its_items_end(chromium: Chromium, tmp_path: Path) -> None:
+    """By the arrow keys, and by a click on what says that there are more. A byte far away is found, too."""
+    capture = tmp_path / "long.pcapng"
+    capture.write_bytes(long_record(2500))
+    choose(chromium, capture)
+    select(chromium, 2)
+    focus_item(chromium, "Serial tap")
+    chromium.press("ArrowRight", 39)
+    focus_item(chromium, "2500 characters")
+    chromium.press("ArrowRight", 39)
+    focus_item(chromium, "Character 500:")
+    chromium.press("ArrowDown", 40)
+    assert chromium.run(FOCUSED).startswith("Character 501:")
+    focus_item(chromium, "Show 500 more: 1,500 are after these")
+    focus_item(chromium, "Character 1500:")
+    data = 36  # the first character's place in the packet
+    chromium.run("[...document.querySelectorAll('.dump button')].at(-1).click()")
+    chromium.run(f"document.querySelectorAll('.dump .line > b')[{data + 2299 - 1024}].click()")
+    chromium.until("/^Character 2300/.test(document.querySelector('.tree [aria-selected] .label').textContent)")
+    focus_item(chromium, "Character 2001:")
+    chromium.press("ArrowUp", 38)
+    assert chromium.run(FOCUSED).startswith("Character 2000:")
+
+
+def test_the_bytes_are_those_of_the_telegram(chromium: Chromium) -> None:
+    """The envelope is a button away. What stands beside the bytes is seen in a narrow window, too: with shorter lines."""
+    chromium.size(1366, 768)
+    choose(chromium, SILENCE)
+    pressed = "document.querySelector('.tabs [aria-pressed=true]').textContent"
+    assert chromium.run(pressed) == "Characters"
+    line = f"{DUMP}.querySelector('.line').textContent"
+    assert chromium.run(line) == "0000  02 aa 04 04 00 03 10 03  03 01 32 00              ··········2·\n"
+    chromium.size(390, 844)
+    chromium.until(f"{line}.length < 45")
+    assert chromium.run(line) == "0000  02 aa 04 04 00 03 10 03  ········\n"
+    assert chromium.run(f"{DUMP}.scrollWidth <= {DUMP}.clientWidth")
+    chromium.click("Frame")
+    chromium.until("/sertap/.test([...document.querySelectorAll('.letters')].map((one) => one.textContent).join(''))")
+
+
+def test_only_bytes_that_change_are_touched(chromium: Chromium) -> None:
+    choose(chromium, SILENCE)
+    chromium.run("document.querySelectorAll('.dump .line > b')[1].click()")
+    chromium.run(f"""{{
+      globalThis.touched = 0;
+      new MutationObserver((all) => (touched += all.length)).observe({DUMP}, {{subtree: true, attributes: true}});
+    }}""")
+    chromium.run("document.querySelectorAll('.dump .line > b')[2].click()")
+    chromium.until("touched")
+    assert chromium.run("touched") <= 4  # each has a letter, too
+    assert chromium.run("document.querySelectorAll('.dump b.marked').length") == 2
