@@ -243,3 +243,112 @@ def test_only_bytes_that_change_are_touched(chromium: Chromium) -> None:
     chromium.until("touched")
     assert chromium.run("touched") <= 4  # each has a letter, too
     assert chromium.run("document.querySelectorAll('.dump b.marked').length") == 2
+
+
+CTRL = 2  # modifier
+COPIED = "globalThis.copied"
+MENU = "[...document.querySelectorAll('[role=menu] li')].map((one) => one.textContent)"
+
+
+def watch_copies(browser: Chromium, *, is_file: bool = False) -> None:
+    """Note what is copied; `is_file`: as in a page that is a file, there is no clipboard for scripts."""
+    kept = "undefined" if is_file else "{writeText: async (text) => { globalThis.copied = text; }}"
+    browser.run(f"""{{
+      Object.defineProperty(navigator, "clipboard", {{configurable: true, value: {kept}}});
+      document.addEventListener("copy", () => (globalThis.copied = String(document.getSelection()) || document.activeElement.value));
+    }}""")
+
+
+def press_with(browser: Chromium, key: str, code: int, modifiers: int) -> None:
+    for kind in ("rawKeyDown", "keyUp"):
+        browser.call(
+            "Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, modifiers=modifiers
+        )
+
+
+def menu_at(browser: Chromium, expression: str) -> list[str]:
+    """Click with the right button on an element; return what its menu offers."""
+    x, y = browser.run(f"(({{left, top}}) => [left + 4, top + 4])(({expression}).getBoundingClientRect())")
+    for kind in ("mousePressed", "mouseReleased"):
+        browser.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="right", clickCount=1)
+    browser.until("document.querySelector('[role=menu]')")
+    return list(browser.run(MENU))
+
+
+def take(browser: Chromium, words: str) -> None:
+    browser.run(f"[...document.querySelectorAll('[role=menu] li')].find((one) => one.textContent === '{words}').click()")
+
+
+@pytest.mark.parametrize("is_file", [False, True])
+def test_ctrl_c_copies_the_row_the_field_or_the_bytes(is_file: bool, chromium: Chromium) -> None:
+    choose(chromium, SILENCE)
+    watch_copies(chromium, is_file=is_file)
+    select(chromium, 2)
+    wanted = {
+        ".packet-list": "2\t0.0246",
+        ".tree [role=treeitem]": "Checksum: 0x",
+        ".dump": "ce",
+    }
+    for selector, beginning in wanted.items():
+        chromium.run(f"{COPIED} = ''")
+        if selector.startswith(".tree"):
+            focus_item(chromium, "Checksum")
+        else:
+            chromium.run(f"document.querySelector('{selector}').focus()")
+        press_with(chromium, "c", 67, CTRL)
+        chromium.until(COPIED)
+        assert str(chromium.run(COPIED)).startswith(beginning), selector
+        assert chromium.run(f"document.activeElement.matches('{selector}')")
+
+
+def test_a_menu_copies_and_filters_a_cell(chromium: Chromium) -> None:
+    """The cell From of row 8 is of station 3."""
+    choose(chromium, SILENCE)
+    watch_copies(chromium)
+    offered = menu_at(chromium, f"{ROWS}[7].children[3]")
+    assert offered == ["Copy row", "Copy value", "Copy bytes", "Copy filter", "Apply as filter", "Not this"]
+    assert text_of(chromium, ".row.selected > span") == "8"
+    for words, copied in {"Copy value": "3", "Copy filter": "sis.talker == 3", "Copy bytes": "02 "}.items():
+        menu_at(chromium, f"{ROWS}[7].children[3]")
+        take(chromium, words)
+        chromium.until(f"String({COPIED}).startsWith('{copied}')")
+    menu_at(chromium, f"{ROWS}[7].children[3]")
+    take(chromium, "Apply as filter")
+    chromium.until("document.querySelector('#filter').value === 'sis.talker == 3'")
+    chromium.until(f"/ of 23 packets/.test({SAID})")
+    assert "And this filter" in menu_at(chromium, f"{ROWS}[1].children[4]")
+    take(chromium, "And this filter")
+    chromium.until("document.querySelector('#filter').value === '(sis.talker == 3) && sis.listener == 16'")
+
+
+def test_the_menus_work_by_keyboard(chromium: Chromium) -> None:
+    """Of the list, the tree and the bytes. Escape leads back."""
+    choose(chromium, SILENCE)
+    for selector in (".packet-list", ".tree [role=treeitem]", ".dump"):
+        tab_to(chromium, selector)
+        chromium.run(
+            "document.activeElement.dispatchEvent(new MouseEvent('contextmenu', {bubbles: true, cancelable: true}))"
+        )
+        chromium.until("document.activeElement.matches('[role=menu] li')")
+        first = text_of(chromium, "[role=menu] li:focus")
+        chromium.press("ArrowDown", 40)
+        assert text_of(chromium, "[role=menu] li:focus") != first
+        chromium.press("Escape", 27)
+        assert chromium.run(f"document.activeElement.matches('{selector}')")
+        assert not chromium.run("document.querySelector('[role=menu]')")
+
+
+def test_the_menus_of_tree_and_bytes(chromium: Chromium) -> None:
+    choose(chromium, SILENCE)
+    watch_copies(chromium)
+    label = "[...document.querySelectorAll('.tree .label')].find((one) => one.textContent.startsWith('Checksum:'))"
+    assert "Copy filter" in menu_at(chromium, label)
+    take(chromium, "Copy filter")
+    chromium.until(f"String({COPIED}).startsWith('sis.checksum == ')")
+    assert "Copy bytes" in menu_at(chromium, "document.querySelectorAll('.dump .line > b')[0]")
+    take(chromium, "Copy row")
+    chromium.until(f"String({COPIED}).startsWith('0000  02 ')")
+    take_again = menu_at(chromium, "document.querySelectorAll('.dump .line > b')[2]")
+    assert "Apply as filter" in take_again
+    take(chromium, "Copy bytes")
+    chromium.until(f"{COPIED} === '04'")

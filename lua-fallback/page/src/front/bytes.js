@@ -151,6 +151,27 @@ export class Bytes {
     if (place !== undefined) this.choose(place);
   }
 
+  // Chooses the byte there, unless it is among the chosen ones.
+  chooseAt(target) {
+    const place = this.places.get(target), { begin, end } = this.marked;
+    if (place !== undefined && !(place >= begin && place < end)) this.choose(place);
+  }
+
+  // Those of the chosen field, or all that the tab shows.
+  chosenBytes() {
+    const { begin, end } = this.marked;
+    return end > begin ? this.bytes.subarray(begin, end) : this.bytes;
+  }
+
+  get cursorCell() {
+    return this.cells[this.cursor];
+  }
+
+  // The line of the dump in which the chosen byte is.
+  rowText() {
+    return this.cursorCell?.parentElement.textContent.trimEnd() ?? "";
+  }
+
   press(event) {
     const step = { ArrowRight: 1, ArrowLeft: -1, ArrowDown: this.width, ArrowUp: -this.width }[event.key];
     if (!step || event.altKey || event.ctrlKey) return;

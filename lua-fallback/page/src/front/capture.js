@@ -177,6 +177,11 @@ export class Capture extends EventTarget {
     return null;
   }
 
+  // Returns a row that is there, or undefined.
+  rowOf(place) {
+    return this.blocks.get(Math.floor(place / BLOCK))?.[place % BLOCK];
+  }
+
   async fetch() {
     this.fetching = true;
     const viewer = await this.viewer;

@@ -23,6 +23,7 @@ export class PacketList {
     }, element("div", { role: "rowgroup", className: "head-group" }, this.head), this.body);
     this.place = 0; // of the selected row
     this.drawn = new Map(); // rows by place
+    this.numbers = new Map(); // of packets, by row
     capture.addEventListener("filtered", () => this.renew(0));
     capture.addEventListener("grown", () => this.renew(this.root.scrollTop));
     capture.addEventListener("rows", () => this.fill());
@@ -33,6 +34,7 @@ export class PacketList {
   renew(scrollTop) {
     this.body.replaceChildren();
     this.drawn.clear();
+    this.numbers.clear();
     const { matched } = this.capture;
     this.root.setAttribute("aria-rowcount", matched + 1);
     this.body.style.height = `${matched * ROW}px`;
@@ -56,6 +58,7 @@ export class PacketList {
       if (place >= begin && place < end) continue;
       row.remove();
       this.drawn.delete(place);
+      this.numbers.delete(row);
     }
     for (let place = begin; place < end; place++) if (!this.drawn.has(place)) this.make(place);
     this.fill();
@@ -81,7 +84,7 @@ export class PacketList {
 
   write(row, { number, cells, paper, ink }) {
     row.classList.remove("waiting");
-    row.number = number;
+    this.numbers.set(row, number);
     row.classList.toggle("fault", isFault(paper));
     row.style.setProperty("--rule", paper || "transparent");
     row.style.setProperty("--rule-ink", ink);
@@ -100,7 +103,7 @@ export class PacketList {
 
   // Gives the columns the widths of what is in the first rows; again when the capture has grown beyond them.
   fit() {
-    const rows = [...this.drawn.values()].filter((row) => row.number).slice(0, SAMPLE);
+    const rows = [...this.drawn.values()].filter((row) => this.numbers.has(row)).slice(0, SAMPLE);
     const ends = this.columns.map((column) => this.atTheEnd(column));
     if (this.fitted === ends.join() || !rows.length) return;
     this.fitted = ends.join();
@@ -113,7 +116,7 @@ export class PacketList {
   mark() {
     const { number } = this.capture;
     for (const row of this.drawn.values()) {
-      const isSelected = row.number === number && number > 0;
+      const isSelected = number > 0 && this.numbers.get(row) === number;
       row.classList.toggle("selected", isSelected);
       row.setAttribute("aria-selected", isSelected);
       if (isSelected) this.root.setAttribute("aria-activedescendant", row.id);
@@ -155,10 +158,29 @@ export class PacketList {
   }
 
   click(event) {
-    const row = event.target.closest(".rows .row");
-    if (!row?.number) return;
+    const { number, place } = this.cellAt(event.target);
+    if (!number) return;
     this.capture.isFollowing = false;
-    this.capture.select(row.number);
+    this.place = place;
+    this.capture.select(number);
+  }
+
+  // The packet's number and place, and the column, at an element; none outside the rows.
+  cellAt(target) {
+    const row = target.closest(".rows .row"), cell = target.closest(".rows .row > span");
+    if (!this.numbers.has(row)) return {};
+    return { number: this.numbers.get(row), place: row.ariaRowIndex - 2, column: cell ? this.columns[[...row.children].indexOf(cell)] : undefined };
+  }
+
+  get selected() {
+    return this.body.querySelector(".selected");
+  }
+
+  // The text of the row at a place, or of one of its cells.
+  text(place = this.place, ...columns) {
+    const row = this.capture.rowOf(place);
+    const wanted = columns.length ? columns : this.columns;
+    return row ? wanted.map((column) => row.cells[this.columns.indexOf(column)]).join("\t") : "";
   }
 }
 

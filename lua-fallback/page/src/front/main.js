@@ -22,6 +22,7 @@ import { listenView } from "./listen.js";
 import { LogLines } from "./log.js";
 import { leftView } from "./left.js";
 import { keepParts } from "./parts.js";
+import { menusOf } from "./menus.js";
 import { playView } from "./play.js";
 import { readProfile } from "./profile.js";
 import { remarksOf } from "./remarks.js";
@@ -101,6 +102,7 @@ function packetsView(profile, answer) {
   const list = new PacketList(capture, profile.columns);
   const tree = new Tree(capture, { onfilter: (text) => filter.apply(text) });
   const bytes = new Bytes(capture);
+  menusOf(capture, { list, tree, bytes }, (text) => filter.apply(text));
   const log = new LogLines(capture);
   const exporting = exportDialog(capture, profile.columns, { showing });
   const follow = button("Follow", () => {

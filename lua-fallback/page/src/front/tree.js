@@ -39,6 +39,10 @@ export class Tree {
     capture.addEventListener("wanted", ({ detail }) => this.show(this.items.find((one) => nameOf(one.item) === detail)));
   }
 
+  get chosenElement() {
+    return this.elements.get(this.chosen);
+  }
+
   nodeAt(target) {
     return this.nodes.get(target.closest("li"));
   }
