@@ -352,3 +352,54 @@ def test_the_menus_of_tree_and_bytes(chromium: Chromium) -> None:
     assert "Apply as filter" in take_again
     take(chromium, "Copy bytes")
     chromium.until(f"{COPIED} === '04'")
+
+
+def test_what_wireshark_has_found_out_is_in_brackets(chromium: Chromium, tmp_path: Path) -> None:
+    """As in Wireshark: in the tree, and in what is exported of it. Nothing has two of them."""
+    choose(chromium, SILENCE)
+    labels = chromium.run("[...document.querySelectorAll('.tree .label')].map((one) => one.textContent)")
+    assert {"[Talker: 16]", "[Checksum Status: Good]", "Start character: 0x02", "Sender address: 16 (station)"} <= {*labels}
+    assert not [label for label in labels if label.startswith("[[")]
+    chromium.run("""{
+      const made = URL.createObjectURL;
+      URL.createObjectURL = (blob) => (blob.text().then((text) => (globalThis.saved = text)), made(blob));
+      HTMLAnchorElement.prototype.click = () => {};
+    }""")
+    chromium.click("Export")
+    chromium.click("The 23 packets that the list shows, with all fields (text)")
+    chromium.until("globalThis.saved")
+    assert "\n    [Talker: 16]\n" in chromium.run("saved")
+    assert "\n    Service: Read phase (0x12)\n" in chromium.run("saved")
+
+
+def test_back_uses_the_filter_before(chromium: Chromium) -> None:
+    choose(chromium, SILENCE)
+    used = "document.querySelector('#filter').value"
+    for filter_ in ("sis.talker == 3", "sis.talker == 16"):
+        chromium.run(f"document.querySelector('#filter').value = '{filter_}'")
+        chromium.click("Apply")
+        chromium.until(f"/ of 23 packets/.test({SAID})")
+        idle(chromium)
+    assert chromium.run("location.hash") == "#packets"
+    for way, filter_ in (("back", "sis.talker == 3"), ("back", ""), ("forward", "sis.talker == 3")):
+        chromium.run(f"history.{way}()")
+        chromium.until(f"{used} === '{filter_}'")
+        idle(chromium)
+    chromium.run("location.hash = '#statistics'")
+    chromium.until("document.querySelector('nav [href=\"#statistics\"]').ariaCurrent")
+    chromium.run("history.back()")
+    chromium.until("document.querySelector('.packets').checkVisibility()")
+    assert chromium.run(used) == "sis.talker == 3"
+    chromium.run("location.hash = '#packets/sis.talker%20%3D%3D%2016'")
+    chromium.until(f"{used} === 'sis.talker == 16' && location.hash === '#packets'")
+
+
+def test_back_keeps_filters_of_another_capture_away(chromium: Chromium) -> None:
+    choose(chromium, SILENCE)
+    chromium.click("Unanswered")
+    chromium.until(f"/ of 23 packets/.test({SAID})")
+    choose(chromium, CAPTURE)
+    chromium.run("history.go(-2)")
+    chromium.until("document.querySelector('.packets').checkVisibility()")
+    idle(chromium)
+    assert chromium.run("document.querySelector('#filter').value") == ""

@@ -12,6 +12,7 @@ import { curveView } from "./curve.js";
 import { about, askImport, askLimits, askPattern } from "./dialogs.js";
 import { button, element, find } from "./dom.js";
 import { exportDialog } from "./export.js";
+import { rememberFilters } from "./history.js";
 import { importBytes, openBytes, openPasted, visible } from "./files.js";
 import { FilterBar } from "./filter.js";
 import { findingsView } from "./findings.js";
@@ -201,6 +202,7 @@ async function begin() {
     route();
   });
   addEventListener("beforeunload", (event) => (capture.live || capture.isOpen) && event.preventDefault()); // the browser asks
+  rememberFilters(capture, showing);
   addEventListener("hashchange", () => {
     trouble(""); // it was about the view before
     route();
