@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test_page_browser import CAPTURE, choose, docklight, idle, tab_to, text_of
+from test_page_browser import CAPTURE, capture_of, choose, docklight, idle, tab_to, text_of
 
 from chromium import Chromium
 from make import HERE as CAPTURES
@@ -129,6 +129,8 @@ def asks_before_it_ends(browser: Chromium) -> Any:
 
 
 def test_reload_asks_whether_the_capture_may_go(chromium: Chromium) -> None:
+    chromium.press("Shift", 16)
+    chromium.press("Tab", 9)  # a browser asks whoever has done something
     assert not asks_before_it_ends(chromium)
     choose(chromium, CAPTURE)
     assert asks_before_it_ends(chromium)
@@ -403,3 +405,97 @@ def test_back_keeps_filters_of_another_capture_away(chromium: Chromium) -> None:
     chromium.until("document.querySelector('.packets').checkVisibility()")
     idle(chromium)
     assert chromium.run("document.querySelector('#filter').value") == ""
+
+
+def column(browser: Chromium, title: str) -> list[str]:
+    """Return the texts of a column, from the top of the list on, as far as its rows are seen."""
+    heads = "[...document.querySelectorAll('.head > span')].map((one) => one.firstChild.textContent)"
+    place = browser.run(heads).index(title)
+    browser.until(f"{ROWS}.every((row) => !row.matches('.waiting'))")
+    return list(browser.run(f"{ROWS}.map((row) => row.children[{place}].textContent)"))
+
+
+def head(browser: Chromium, title: str) -> str:
+    return f"[...document.querySelectorAll('.head > span')].find((one) => one.firstChild.textContent === '{title}')"
+
+
+def sort_by(browser: Chromium, title: str, order: str) -> None:
+    browser.run(f"{head(browser, title)}.click()")
+    browser.until(f"{head(browser, title)}.ariaSort === '{order}'")
+    idle(browser)
+
+
+def test_a_click_on_a_head_sorts(chromium: Chromium) -> None:
+    """Numbers by what they are worth, what is empty last; a second click turns the order, a third one ends it.
+
+    The selected packet stays, its keys go to its neighbours, and a filter leaves the order as it is.
+    """
+    choose(chromium, SILENCE)
+    before = column(chromium, "No.")
+    select(chromium, 3)
+    sort_by(chromium, "Silence (ms)", "ascending")
+    told = [float(text) for text in column(chromium, "Silence (ms)") if text]
+    assert told == sorted(told)
+    assert len({*told}) > 2
+    assert text_of(chromium, ".row.selected > span") == "3"
+    sort_by(chromium, "Silence (ms)", "descending")
+    found = column(chromium, "Silence (ms)")
+    told = [float(text) for text in found if text]
+    assert told == sorted(told, reverse=True)
+    assert found[len(told) :] == [""] * (len(found) - len(told))
+    assert text_of(chromium, ".head [aria-sort=descending]").endswith("▼")
+    select(chromium, 1)
+    chromium.run("document.querySelector('.packet-list').focus()")
+    chromium.press("ArrowDown", 40)
+    chromium.until(f"{ROWS}[1].matches('.selected')")
+    chromium.click("Unanswered")
+    chromium.until(f"/ of 23 packets/.test({SAID})")
+    idle(chromium)
+    told = [float(text) for text in column(chromium, "Silence (ms)") if text]
+    assert told == sorted(told, reverse=True)
+    chromium.click("Clear")
+    chromium.until(f"{SAID} === '23 packets'")
+    idle(chromium)
+    sort_by(chromium, "Silence (ms)", "none")
+    assert column(chromium, "No.") == before
+
+
+def test_the_heads_sort_by_keyboard(chromium: Chromium) -> None:
+    choose(chromium, SILENCE)
+    tab_to(chromium, ".packet-list")
+    tab_to(chromium, ".head > span")
+    chromium.press("ArrowRight", 39)
+    chromium.press("Enter", 13, "\r")
+    chromium.until("document.activeElement.ariaSort === 'ascending'")
+    assert chromium.run("document.activeElement.textContent") == "Time ▲"
+
+
+def test_columns_are_chosen_and_remembered(chromium: Chromium, page: Path) -> None:
+    choose(chromium, SILENCE)
+    titles = "[...document.querySelectorAll('.head > span')].map((one) => one.textContent)"
+    before = chromium.run(titles)
+    chromium.run(
+        f"{head(chromium, 'Time')}.dispatchEvent(new MouseEvent('contextmenu', {{bubbles: true, cancelable: true}}))"
+    )
+    assert chromium.run(MENU) == before
+    take(chromium, "Silence (ms)")
+    wanted = [title for title in before if title != "Silence (ms)"]
+    assert chromium.run(titles) == wanted
+    assert column(chromium, "Telegram")[1].startswith("3 -> 16  Reaction")
+    assert chromium.run(f"{ROWS}[0].children.length") == len(wanted)
+    chromium.open(page.as_uri())
+    chromium.until("document.documentElement.dataset.ready")
+    assert chromium.run(titles) == wanted
+
+
+def test_sorting_tells_its_progress_and_can_be_cancelled(chromium: Chromium, tmp_path: Path) -> None:
+    choose(chromium, capture_of(6000, tmp_path))
+    chromium.run(f"{head(chromium, 'Telegram')}.click()")
+    chromium.until("document.querySelector('#busy progress')?.value > 0.05")
+    chromium.click("Cancel")
+    idle(chromium)
+    assert chromium.run(f"{head(chromium, 'Telegram')}.ariaSort") == "none"
+    assert text_of(chromium, "#trouble") == ""
+    sort_by(chromium, "Telegram", "ascending")
+    found = column(chromium, "Telegram")
+    assert found[:5] == sorted(found[:5])

@@ -100,7 +100,7 @@ const tellLimits = () => askLimits(capture, reopen);
 
 function packetsView(profile, answer) {
   const filter = new FilterBar(capture, profile.buttons);
-  const list = new PacketList(capture, profile.columns);
+  const list = new PacketList(capture, profile.columns, { onsort: (sort) => showing(() => capture.sortBy(sort)) });
   const tree = new Tree(capture, { onfilter: (text) => filter.apply(text) });
   const bytes = new Bytes(capture);
   menusOf(capture, { list, tree, bytes }, (text) => filter.apply(text));
@@ -201,7 +201,8 @@ async function begin() {
     find("#of-capture").hidden = true;
     route();
   });
-  addEventListener("beforeunload", (event) => (capture.live || capture.isOpen) && event.preventDefault()); // the browser asks
+  addEventListener("beforeunload", (event) => (capture.live || (capture.isOpen && navigator.userActivation?.hasBeenActive !== false))
+    && event.preventDefault()); // the browser asks, if a person has done something
   rememberFilters(capture, showing);
   addEventListener("hashchange", () => {
     trouble(""); // it was about the view before
