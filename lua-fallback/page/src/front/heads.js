@@ -6,7 +6,7 @@ import { element } from "./dom.js";
 import { openMenu, placeOf } from "./menu.js";
 
 const KEY = "sis.columns"; // the titles of those that are not shown
-const SORTS = ["none", "ascending", "descending"], ARROWS = { ascending: " ▲", descending: " ▼", none: "" };
+const SORTS = ["none", "ascending", "descending"], ARROWS = { ascending: "▲", descending: "▼", none: "" };
 const HELP = "Click: sort. Right click, or the menu key: choose columns.";
 
 export class Heads {

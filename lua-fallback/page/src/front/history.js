@@ -6,13 +6,14 @@ const HASH = "#packets";
 const isShown = () => location.hash.split("/")[0] === HASH;
 
 export function rememberFilters(capture, showing) {
-  let opened = 0, bytes = null;
+  const numbers = new WeakMap(); // of captures, by their bytes
+  let opened = 0, count = 0;
   const now = () => ({ capture: opened, filter: capture.filter });
   const isNow = (state) => state?.capture === opened && state.filter === capture.filter;
 
   capture.addEventListener("opened", () => {
-    if (capture.bytes !== bytes) opened++;
-    bytes = capture.bytes;
+    if (!numbers.has(capture.bytes)) numbers.set(capture.bytes, ++count);
+    opened = numbers.get(capture.bytes);
   });
   capture.addEventListener("filtered", () => {
     if (!isShown() || isNow(history.state)) return;

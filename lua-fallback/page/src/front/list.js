@@ -124,8 +124,8 @@ export class PacketList {
     if (this.fitted === ends.join() || !rows.length) return;
     this.fitted = ends.join();
     const widths = this.shown.map(({ title, format }, place) =>
-      Math.min(Math.max(title.length + 2, ends[place], ...rows.map((row) => row.children[place].textContent.length)), format === "%i" ? WIDEST_TEXT : WIDEST));
-    const tracks = widths.map((width, place) => (place === widths.length - 1 ? "minmax(12rem, 1fr)" : `${width + 2}ch`));
+      Math.min(Math.max(title.length + 1, ends[place], ...rows.map((row) => row.children[place].textContent.length)), format === "%i" ? WIDEST_TEXT : WIDEST));
+    const tracks = widths.map((width, place) => (place === widths.length - 1 ? "minmax(9rem, 1fr)" : `${width + 2}ch`));
     this.root.style.setProperty("--columns", tracks.join(" "));
   }
 

@@ -134,6 +134,9 @@ function packetsView(profile, answer) {
     folded(notes, "notes"), list.root, splitter(list.root), below, exporting.root);
 }
 
+// A lesson remembers what it has to. If a person has done nothing yet, the browser would complain.
+const isAtStake = () => capture.isOpen && shown !== "learn" && navigator.userActivation?.hasBeenActive !== false;
+
 function showBusy() {
   const { busy } = capture;
   const holder = find("#busy");
@@ -201,8 +204,7 @@ async function begin() {
     find("#of-capture").hidden = true;
     route();
   });
-  addEventListener("beforeunload", (event) => (capture.live || (capture.isOpen && navigator.userActivation?.hasBeenActive !== false))
-    && event.preventDefault()); // the browser asks, if a person has done something
+  addEventListener("beforeunload", (event) => (capture.live || isAtStake()) && event.preventDefault()); // the browser asks
   rememberFilters(capture, showing);
   addEventListener("hashchange", () => {
     trouble(""); // it was about the view before
