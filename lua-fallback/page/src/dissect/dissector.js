@@ -3,10 +3,11 @@
 
 import { isManifold, places } from "./pcapng.js";
 
-const CAPTURE = "/uploads/capture", TOLD = "/told"; // page.lua reads them, too
+const CAPTURE = "/uploads/capture", TOLD = "/told", GENERATED = "/generated"; // page.lua reads and writes them, too
 const TOGETHER = 1 << 16; // characters that are written at once
 const PROFILE = "/home/web_user/.config/wireshark";
 const STATISTICS = "srt,tree"; // Wireshark prints the last one first
+const AFTERWARDS = ["frame.coloring_rule.name 0 0", "frame.coloring_rule.string 0 0"]; // generated after page.lua has looked
 const PORTS = "synaxpd.ports"; // of no protocol, unless a preference names them
 /** @type {Watched} */ const UNWATCHED = { progress: () => {} };
 
@@ -28,7 +29,7 @@ const UNCOLOURED = 1; // wiregasm's background of a packet that no rule colours
  * @typedef {{number: number, cells: string[], paper: string, ink: string}} Row */
 /** An item of a packet's tree: where its bytes are in a source, and the packet that a link leads to.
  * @typedef {{label: string, filter: string, start: number, length: number, source: number, severity: string, type: string,
- *   to: number, tree: Item[]}} Item */
+ *   to: number, isGenerated: boolean, tree: Item[]}} Item */
 /** A packet, with all bytes that it is made of.
  * @typedef {{tree: Item[], sources: {name: string, bytes: Uint8Array}[], comments: string[]}} Packet */
 /** Whose progress is told, from 0 to 1.
@@ -200,14 +201,16 @@ export class Dissector {
     return { matched, rows };
   }
 
-  /** @param {number} number
+  /** A packet; of what Wireshark shows in brackets, isGenerated is true.
+   * @param {number} number
    * @returns {Packet} */
   packet(number) {
     this.want();
     const { tree, data_sources, comments, follow } = this.session.getFrame(number);
     taken(follow, (one) => taken(one));
+    const generated = new Set([...AFTERWARDS, ...this.library.FS.readFile(GENERATED, { encoding: "utf8" }).split("\n")]);
     return {
-      tree: taken(tree, branch),
+      tree: taken(tree, (item) => branch(item, generated)),
       sources: taken(data_sources, ({ name, data }) => ({ name, bytes: Uint8Array.from(atob(data), (c) => c.charCodeAt(0)) })),
       comments: taken(comments),
     };
@@ -250,6 +253,11 @@ export const forFigures = { "sis.statistics": STATISTICS, "page.experts": "TRUE"
 const visible = (text) => text.replace(/[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/g,
   (mark) => `\\u${mark.charCodeAt(0).toString(16).toUpperCase().padStart(4, "0")}`);
 
-function branch({ label, filter, start, length, data_source_idx, severity, type, fnum, tree }) {
-  return { label: visible(label), filter, start, length, source: data_source_idx, severity, type, to: fnum, tree: taken(tree, branch) };
+function branch({ label, filter, start, length, data_source_idx, severity, type, fnum, tree }, generated) {
+  const made = { label: visible(label), filter, start, length, source: data_source_idx, severity, type, to: fnum,
+    tree: taken(tree, (item) => branch(item, generated)) };
+  if (generated.has(`${nameOf(filter)} ${start} ${length}`)) made.isGenerated = true;
+  return made;
 }
+
+const nameOf = (filter) => filter.slice(0, filter.search(/[ []|$/));

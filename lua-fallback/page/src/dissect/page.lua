@@ -54,8 +54,27 @@ local function collect()
   most = collectgarbage("count") + ROOM
 end
 
-function page.dissector(_, pinfo)
+-- wiregasm does not tell which fields are generated. The page reads it in a file, a line for each of them. Only the tree of
+-- a packet that the page asks for is visible.
+local function tell_generated()
+  local found = {}
+
+  for _, field in ipairs({all_field_infos()}) do
+    if field.generated then
+      local length = field.len
+
+      found[#found + 1] = ("%s %d %d\n"):format(field.name, length == 0 and 0 or field.offset, length) -- as in wiregasm's tree
+    end
+  end
+  local file = io.open("/generated", "w")
+
+  file:write(table.concat(found))
+  file:close()
+end
+
+function page.dissector(_, pinfo, tree)
   if not pinfo.visited then packet = pinfo.number end
+  if tree.visible then tell_generated() end
   collect()
 end
 

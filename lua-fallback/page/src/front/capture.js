@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The capture that is open: its rows under the present filter, and the selected packet. Views listen to its events:
-// "opened", "noted", "closed", "filtered", "rows", "selected", "marked", "judged", "busy".
+// "opened", "noted", "closed", "filtered", "sorted", "rows", "selected", "marked", "judged", "busy".
 
 import { LARGEST, USUAL, forFigures } from "../dissect/dissector.js";
 import { startWireshark } from "./engine.js";
+import { allRows, sorted } from "./sorting.js";
 
 const BLOCK = 64; // rows that are fetched at once
 
@@ -30,6 +31,8 @@ export class Capture extends EventTarget {
     this.number = 0; // of the selected packet
     this.packet = null;
     this.blocks = new Map();
+    this.sort = null; // {column, isDown}: the place of a column
+    this.order = null; // of a sorted list: {rows, places} by the number of the packet
     this.fetching = false;
     this.wanted = null;
     this.isFollowing = false; // of a capture that grows, whether its end is shown
@@ -144,6 +147,7 @@ export class Capture extends EventTarget {
     this.memory = about.memory;
     Object.assign(this, { name, bytes, log: null, imported: null, packets: about.packets, seconds: about.seconds, link: about.link, trouble: "" });
     this.dropFigures();
+    this.sort = this.order = null;
     const { matched, rows } = await viewer.call("rows", [filter, 0, BLOCK]);
     this.matched = matched;
     this.blocks = new Map([[0, rows]]);
@@ -174,17 +178,39 @@ export class Capture extends EventTarget {
     this.filter = filter;
     this.matched = matched;
     this.blocks = new Map([[0, rows]]);
+    this.order = null;
+    if (this.sort) await this.sortBy(this.sort).catch(() => (this.sort = null)); // cancelled
     this.tell("filtered");
+  }
+
+  // Sorts the rows that the filter leaves; null: as they were captured. It needs all of them.
+  async sortBy(sort) {
+    const { blocks, filter, matched } = this;
+    const order = sort && await this.long("Sorting", async (options) => {
+      const rows = sorted(await allRows(await this.viewer, filter, matched, options), sort.column, sort.isDown);
+      return { rows, places: new Map(rows.map(({ number }, place) => [number, place])) };
+    });
+    if (blocks !== this.blocks) return; // another filter, or another capture
+    this.sort = sort;
+    this.order = order;
+    this.tell("sorted");
   }
 
   // Returns a row by its place under the filter, or null; then it is fetched, and "rows" says when it is there.
   row(place) {
+    if (this.order) return this.order.rows[place] ?? null;
     const block = Math.floor(place / BLOCK);
     const rows = this.blocks.get(block);
     if (rows) return rows[place % BLOCK] ?? null;
     this.wanted = block;
     if (!this.fetching) this.fetch();
     return null;
+  }
+
+  // Returns a row that is there, or undefined.
+  rowOf(place) {
+    if (this.order) return this.order.rows[place];
+    return this.blocks.get(Math.floor(place / BLOCK))?.[place % BLOCK];
   }
 
   async fetch() {
@@ -207,6 +233,7 @@ export class Capture extends EventTarget {
   // Returns the number of the packet at a place under the filter; 0 if there is none.
   async numberAt(place) {
     if (place < 0 || place >= this.matched) return 0;
+    if (this.order) return this.order.rows[place]?.number ?? 0;
     if (!this.filter) return place + 1;
     const kept = this.blocks.get(Math.floor(place / BLOCK))?.[place % BLOCK];
     if (kept) return kept.number;
@@ -214,8 +241,9 @@ export class Capture extends EventTarget {
     return rows[0]?.number ?? 0;
   }
 
-  // Returns the place of a packet under the filter, or that of the first after it.
+  // Returns the place of a packet under the filter, or that of the first after it; in a sorted list -1 if it is not there.
   async placeOf(number) {
+    if (this.order) return this.order.places.get(number) ?? -1;
     if (!this.filter) return number - 1;
     let low = 0, high = this.matched;
     while (low < high) {

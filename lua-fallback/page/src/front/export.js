@@ -4,6 +4,7 @@
 import { isPcapng, only } from "../dissect/pcapng.js";
 import { asCsv } from "./csv.js";
 import { button, element, plural, save } from "./dom.js";
+import { textOf } from "./items.js";
 import { callTap } from "./tap.js";
 
 const TOGETHER = 200; // rows that are fetched at once
@@ -16,7 +17,7 @@ export function exportDialog(capture, columns, { showing }) {
     showing(work);
   };
   const baseName = () => capture.name.replace(/\.(pcapng|pcap|txt|log|csv)$/i, "");
-  dialog.open_ = () => {
+  const open = () => {
     const shown = plural(capture.matched, "packet");
     dialog.replaceChildren(element("h2", { id: "export-title" }, "Export"),
       element("ul", { className: "actions" },
@@ -29,7 +30,7 @@ export function exportDialog(capture, columns, { showing }) {
       button("Close", () => dialog.close()));
     dialog.showModal();
   };
-  return dialog;
+  return { root: dialog, open };
 }
 
 const item = (text, onclick) => element("li", {}, button(text, onclick));
@@ -54,7 +55,7 @@ async function saveRows(capture, columns, name) {
   save(`${name}.csv`, asCsv(rows), "text/csv");
 }
 
-const lines = (tree, depth) => tree.map(({ label, tree: below }) => `${" ".repeat(4 * depth)}${label}\n${lines(below, depth + 1)}`).join("");
+const lines = (tree, depth) => tree.map((one) => `${" ".repeat(4 * depth)}${textOf(one)}\n${lines(one.tree, depth + 1)}`).join("");
 
 async function saveTrees(capture, name) {
   const texts = [];

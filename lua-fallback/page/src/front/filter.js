@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The display filter: Wireshark checks and completes it while it is typed, and says in its own words what is wrong.
 
-import { button, element } from "./dom.js";
+import { button, element, plural } from "./dom.js";
 
 const WORD = /[\w.]+$/; // what is typed before the cursor
 const SHOWN = 12; // completions
 const OF_LIMITS = /\bsis\.(tza|trs)\.verdict\b/; // nothing has one where no limit is known
+const OF_NO_LIMITS = "TzA and TrS judge what is late. If the bus did not tell them, tell them with Limits.";
 
 export class FilterBar {
   constructor(capture, buttons) {
@@ -23,10 +24,19 @@ export class FilterBar {
       event.preventDefault();
       this.apply(this.input.value);
     } }, element("div", { className: "field" }, this.input, this.choices), element("button", { type: "submit" }, "Apply"), this.clear);
-    this.quick = element("div", { className: "quick" }, ...buttons.map(({ name, filter, help }) =>
+    this.quick = element("div", { className: "quick", role: "group", "aria-label": "Usual filters", onscroll: () => this.fade() }, ...buttons.map(({ name, filter, help }) =>
       button(name, () => this.apply(filter), { title: `${help}: ${filter}` })));
-    this.root = element("div", { className: "filter-bar" }, form, this.quick, this.said);
+    this.acts = element("div", { className: "acts" });
+    this.root = element("div", { className: "filter-bar" }, form, this.quick, this.acts, this.said);
     capture.addEventListener("filtered", () => this.showApplied());
+    capture.addEventListener("grown", () => this.input.classList.contains("bad") || this.count());
+    new ResizeObserver(() => this.fade()).observe(this.quick);
+  }
+
+  // The buttons fade where more of them are.
+  fade() {
+    const { scrollLeft, clientWidth, scrollWidth } = this.quick;
+    this.quick.classList.toggle("goes-on", scrollLeft + clientWidth < scrollWidth - 1);
   }
 
   async apply(filter) {
@@ -40,11 +50,16 @@ export class FilterBar {
   }
 
   showApplied() {
-    const { filter, matched, packets } = this.capture;
-    this.input.value = filter;
+    this.input.value = this.capture.filter;
     this.judge("");
-    this.said.textContent = filter ? `${matched.toLocaleString("en")} of ${packets.toLocaleString("en")} packets` : "";
-    if (!matched && OF_LIMITS.test(filter)) this.said.append(". TzA and TrS judge what is late: if the bus did not tell them, tell them with Limits.");
+  }
+
+  count() {
+    const { filter, matched, packets } = this.capture;
+    this.said.textContent = filter ? `${matched.toLocaleString("en")} of ${packets.toLocaleString("en")} packets` : plural(packets, "packet");
+    if (!matched && OF_LIMITS.test(filter)) {
+      this.said.append(element("span", { className: "said-below" }, OF_NO_LIMITS));
+    }
   }
 
   judge(trouble) {
@@ -52,8 +67,9 @@ export class FilterBar {
     this.input.classList.toggle("bad", trouble !== "");
     this.input.classList.toggle("good", isTyped && trouble === "");
     this.input.setAttribute("aria-invalid", trouble !== "");
-    this.said.textContent = trouble;
     this.said.classList.toggle("bad", trouble !== "");
+    if (trouble) this.said.textContent = trouble;
+    else this.count();
   }
 
   async look() {
@@ -96,7 +112,10 @@ export class FilterBar {
   }
 
   press(event) {
-    if (this.choices.hidden) return;
+    if (this.choices.hidden) {
+      if (event.key === "Escape") this.showApplied();
+      return;
+    }
     const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
     if (step) this.highlight((this.chosen + step + this.fields.length) % this.fields.length);
     else if (event.key === "Escape") this.closeChoices();

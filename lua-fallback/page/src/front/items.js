@@ -15,3 +15,6 @@ export const nameOf = ({ filter }) => filter.split(" ")[0];
 export const allOf = (tree, ...names) => [...items(tree)].filter((item) => names.includes(nameOf(item)));
 
 export const firstOf = (tree, name) => allOf(tree, name)[0];
+
+// What Wireshark shows of an item: what it has found out itself, and not read in the bytes, is in brackets.
+export const textOf = ({ label, isGenerated }) => (isGenerated && !/^\[.*\]$/s.test(label) ? `[${label}]` : label);

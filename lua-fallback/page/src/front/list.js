@@ -2,40 +2,59 @@
 // The packet list: only the rows that are seen are elements. Arrow keys, Page and Home, End move the selection.
 
 import { element } from "./dom.js";
+import { Heads } from "./heads.js";
+import { isFault } from "./rule.js";
 
-const ROW = 24; // pixels, as in page.css
+const ROW = 22; // pixels, as in page.css
 const MORE = 8; // rows above and below those that are seen
 const SAMPLE = 40; // rows that decide on widths, with the last number and time of the capture
 const WIDEST = 26, WIDEST_TEXT = 54; // characters, but for the last column; of what the packet says
 
 export class PacketList {
-  constructor(capture, columns) {
+  // `onsort` gets what Capture.sortBy takes.
+  constructor(capture, columns, { onsort }) {
     this.capture = capture;
     this.columns = columns;
-    this.head = element("div", { className: "row head", role: "row", "aria-rowindex": 1 },
-      ...columns.map(({ title, isRight }) => element("span", { role: "columnheader", className: isRight ? "right" : "" }, title)));
+    this.heads = new Heads(columns, { change: () => this.renew(this.root.scrollTop),
+      sort: (column, order) => onsort(order === "none" ? null : { column: columns.indexOf(column), isDown: order === "descending" }) });
     this.body = element("div", { className: "rows", role: "rowgroup" });
     this.root = element("div", {
       className: "packet-list", role: "grid", tabIndex: 0, "aria-label": "Packets", "aria-readonly": "true",
       onscroll: () => this.draw(), onkeydown: (event) => this.press(event), onclick: (event) => this.click(event),
       onmouseover: (event) => showWhole(event.target),
-    }, element("div", { role: "rowgroup", className: "head-group" }, this.head), this.body);
+    }, element("div", { role: "rowgroup", className: "head-group" }, this.heads.root), this.body);
+    this.shown = columns; // those that are seen
     this.place = 0; // of the selected row
     this.drawn = new Map(); // rows by place
+    this.numbers = new Map(); // of packets, by row
+    for (const event of ["filtered", "grown", "sorted"]) capture.addEventListener(event, () => this.tellSorted());
     capture.addEventListener("filtered", () => this.renew(0));
     capture.addEventListener("grown", () => this.renew(this.root.scrollTop));
+    capture.addEventListener("sorted", () => {
+      this.renew(0);
+      this.follow();
+    });
     capture.addEventListener("rows", () => this.fill());
     capture.addEventListener("selected", () => this.follow());
     new ResizeObserver(() => this.draw()).observe(this.root);
   }
 
+  tellSorted() {
+    const { sort } = this.capture;
+    this.heads.tell(sort ? { column: this.columns[sort.column], order: sort.isDown ? "descending" : "ascending" } : { column: null, order: "none" });
+  }
+
   renew(scrollTop) {
     this.body.replaceChildren();
     this.drawn.clear();
+    this.numbers.clear();
     const { matched } = this.capture;
     this.root.setAttribute("aria-rowcount", matched + 1);
     this.body.style.height = `${matched * ROW}px`;
-    if (scrollTop === 0) this.fitted = "";
+    this.shown = this.heads.shown;
+    const titles = this.shown.map(({ title }) => title).join();
+    if (scrollTop === 0 || titles !== this.titles) this.fitted = "";
+    this.titles = titles;
     this.root.scrollTop = scrollTop;
     this.draw();
   }
@@ -55,6 +74,7 @@ export class PacketList {
       if (place >= begin && place < end) continue;
       row.remove();
       this.drawn.delete(place);
+      this.numbers.delete(row);
     }
     for (let place = begin; place < end; place++) if (!this.drawn.has(place)) this.make(place);
     this.fill();
@@ -62,7 +82,7 @@ export class PacketList {
 
   make(place) {
     const row = element("div", { className: "row waiting", role: "row", "aria-rowindex": place + 2, id: `row-${place}` },
-      ...this.columns.map(({ isRight }) => element("span", { role: "gridcell", className: isRight ? "right" : "" })));
+      ...this.shown.map(({ isRight }) => element("span", { role: "gridcell", className: isRight ? "right" : "" })));
     row.style.top = `${place * ROW}px`;
     this.drawn.set(place, row);
     this.body.append(row);
@@ -80,11 +100,12 @@ export class PacketList {
 
   write(row, { number, cells, paper, ink }) {
     row.classList.remove("waiting");
-    row.number = number;
-    row.style.background = paper;
-    row.style.color = ink;
-    cells.forEach((text, place) => {
-      const { digits } = this.columns[place];
+    this.numbers.set(row, number);
+    row.classList.toggle("fault", isFault(paper));
+    row.style.setProperty("--rule", paper || "transparent");
+    row.style.setProperty("--rule-ink", ink);
+    this.shown.forEach((column, place) => {
+      const { digits } = column, text = cells[this.columns.indexOf(column)];
       row.children[place].textContent = digits === null || !text.includes(".") ? text : text.slice(0, text.indexOf(".") + 1 + digits);
     });
   }
@@ -98,20 +119,20 @@ export class PacketList {
 
   // Gives the columns the widths of what is in the first rows; again when the capture has grown beyond them.
   fit() {
-    const rows = [...this.drawn.values()].filter((row) => row.number).slice(0, SAMPLE);
-    const ends = this.columns.map((column) => this.atTheEnd(column));
+    const rows = [...this.drawn.values()].filter((row) => this.numbers.has(row)).slice(0, SAMPLE);
+    const ends = this.shown.map((column) => this.atTheEnd(column));
     if (this.fitted === ends.join() || !rows.length) return;
     this.fitted = ends.join();
-    const widths = this.columns.map(({ title, format }, place) =>
+    const widths = this.shown.map(({ title, format }, place) =>
       Math.min(Math.max(title.length + 1, ends[place], ...rows.map((row) => row.children[place].textContent.length)), format === "%i" ? WIDEST_TEXT : WIDEST));
-    const tracks = widths.map((width, place) => (place === widths.length - 1 ? "minmax(12rem, 1fr)" : `${width + 2}ch`));
+    const tracks = widths.map((width, place) => (place === widths.length - 1 ? "minmax(9rem, 1fr)" : `${width + 2}ch`));
     this.root.style.setProperty("--columns", tracks.join(" "));
   }
 
   mark() {
     const { number } = this.capture;
     for (const row of this.drawn.values()) {
-      const isSelected = row.number === number && number > 0;
+      const isSelected = number > 0 && this.numbers.get(row) === number;
       row.classList.toggle("selected", isSelected);
       row.setAttribute("aria-selected", isSelected);
       if (isSelected) this.root.setAttribute("aria-activedescendant", row.id);
@@ -128,6 +149,7 @@ export class PacketList {
   }
 
   reveal(place) {
+    if (place < 0) return;
     const first = Math.ceil(this.root.scrollTop / ROW);
     if (place >= first && place < first + this.seen - 1) return;
     this.root.scrollTop = (place < first ? place : place - this.seen + 2) * ROW;
@@ -153,14 +175,33 @@ export class PacketList {
   }
 
   click(event) {
-    const row = event.target.closest(".rows .row");
-    if (!row?.number) return;
+    const { number, place } = this.cellAt(event.target);
+    if (!number) return;
     this.capture.isFollowing = false;
-    this.capture.select(row.number);
+    this.place = place;
+    this.capture.select(number);
+  }
+
+  // The packet's number and place, and the column, at an element; none outside the rows.
+  cellAt(target) {
+    const row = target.closest(".rows .row"), cell = target.closest(".rows .row > span");
+    if (!this.numbers.has(row)) return {};
+    return { number: this.numbers.get(row), place: row.ariaRowIndex - 2, column: cell ? this.shown[[...row.children].indexOf(cell)] : undefined };
+  }
+
+  get selected() {
+    return this.body.querySelector(".selected");
+  }
+
+  // The text of the row at a place, or of one of its cells.
+  text(place = this.place, ...columns) {
+    const row = this.capture.rowOf(place);
+    const wanted = columns.length ? columns : this.columns;
+    return row ? wanted.map((column) => row.cells[this.columns.indexOf(column)]).join("\t") : "";
   }
 }
 
 // What is cut off is seen where the pointer is.
 function showWhole(cell) {
-  cell.title = cell.matches(".row > span") && cell.scrollWidth > cell.clientWidth ? cell.textContent : "";
+  if (cell.matches(".rows .row > span")) cell.title = cell.scrollWidth > cell.clientWidth ? cell.textContent : "";
 }

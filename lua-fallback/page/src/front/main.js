@@ -12,15 +12,18 @@ import { curveView } from "./curve.js";
 import { about, askImport, askLimits, askPattern } from "./dialogs.js";
 import { button, element, find } from "./dom.js";
 import { exportDialog } from "./export.js";
+import { rememberFilters } from "./history.js";
 import { importBytes, openBytes, openPasted, visible } from "./files.js";
 import { FilterBar } from "./filter.js";
 import { findingsView } from "./findings.js";
+import { folded } from "./folded.js";
 import { followView, streamOf } from "./follow.js";
 import { PacketList } from "./list.js";
 import { listenView } from "./listen.js";
 import { LogLines } from "./log.js";
 import { leftView } from "./left.js";
 import { keepParts } from "./parts.js";
+import { menusOf } from "./menus.js";
 import { playView } from "./play.js";
 import { readProfile } from "./profile.js";
 import { remarksOf } from "./remarks.js";
@@ -97,9 +100,10 @@ const tellLimits = () => askLimits(capture, reopen);
 
 function packetsView(profile, answer) {
   const filter = new FilterBar(capture, profile.buttons);
-  const list = new PacketList(capture, profile.columns);
+  const list = new PacketList(capture, profile.columns, { onsort: (sort) => showing(() => capture.sortBy(sort)) });
   const tree = new Tree(capture, { onfilter: (text) => filter.apply(text) });
   const bytes = new Bytes(capture);
+  menusOf(capture, { list, tree, bytes }, (text) => filter.apply(text));
   const log = new LogLines(capture);
   const exporting = exportDialog(capture, profile.columns, { showing });
   const follow = button("Follow", () => {
@@ -107,12 +111,13 @@ function packetsView(profile, answer) {
     views.follow.begin(streamOf(capture.packet));
   }, { title: "All telegrams of the two stations of this packet" });
   capture.addEventListener("selected", () => (follow.disabled = streamOf(capture.packet) === undefined));
-  filter.quick.append(element("span", { className: "right-side" }, follow, button("Limits", tellLimits),
-    button("Export", exporting.open_)));
+  const exportButton = button("Export", exporting.open);
+  for (const event of ["busy", "opened", "grown", "closed"]) capture.addEventListener(event, () => (exportButton.disabled = !capture.isOpen));
+  filter.acts.append(follow, button("Limits", tellLimits), exportButton);
   const logPane = element("div", { className: "pane log-pane", hidden: true }, log.root);
   const below = element("div", { className: "below" }, element("div", { className: "pane" }, tree.root, tree.said),
     element("div", { className: "pane" }, bytes.root), logPane);
-  const notes = element("div", {});
+  const notes = element("div", { className: "notes" });
   const again = () => importOtherwise(capture.imported.said.join(" "), { name: capture.name, ...capture.imported });
   const showNotes = () => notes.replaceChildren(capture.trouble, ...remarksOf(capture, again));
   capture.addEventListener("noted", showNotes);
@@ -125,8 +130,12 @@ function packetsView(profile, answer) {
     });
   }
   return element("section", { className: "packets", "aria-label": "Packets" },
-    element("h1", { className: "visually-hidden" }, "Packets"), answer.bar, filter.root, notes, list.root, splitter(list.root), below, exporting);
+    element("h1", { className: "visually-hidden" }, "Packets"), folded(answer.bar, "what happened"), filter.root,
+    folded(notes, "notes"), list.root, splitter(list.root), below, exporting.root);
 }
+
+// A lesson remembers what it has to. If a person has done nothing yet, the browser would complain.
+const isAtStake = () => capture.isOpen && shown !== "learn" && navigator.userActivation?.hasBeenActive !== false;
 
 function showBusy() {
   const { busy } = capture;
@@ -143,7 +152,7 @@ function showBusy() {
 
 function route() {
   const asked = location.hash.slice(1).split("/")[0];
-  const name = asked in views && (capture.isOpen || asked in PAGES) ? asked : "open";
+  const name = Object.hasOwn(views, asked) && (capture.isOpen || Object.hasOwn(PAGES, asked)) ? asked : "open";
   if (name !== shown) views[shown]?.leave?.();
   shown = name;
   if (name !== "learn") find("#main").append(views.packets); // a lesson has it beside its text
@@ -195,7 +204,8 @@ async function begin() {
     find("#of-capture").hidden = true;
     route();
   });
-  addEventListener("beforeunload", (event) => capture.live && event.preventDefault()); // the browser asks
+  addEventListener("beforeunload", (event) => (capture.live || isAtStake()) && event.preventDefault()); // the browser asks
+  rememberFilters(capture, showing);
   addEventListener("hashchange", () => {
     trouble(""); // it was about the view before
     route();

@@ -17,7 +17,8 @@ export async function readProfile() {
   return { columns: columns(preferences, recent), buttons: buttonsOf(buttons), graphs: graphsOf(graphs) };
 }
 
-// Columns: {title, format, isRight, digits}; digits are those after the point of a time.
+// Columns: {title, format, field, isRight, digits}; `field` is that of Wireshark, of a column that shows one; digits are
+// those after the point of a time.
 function columns(preferences, recent) {
   const texts = Array.from(preferences.slice(preferences.indexOf("gui.column.format")).matchAll(/"([^"]*)"/g), (found) => found[1]);
   const right = new Set(Array.from(recent.matchAll(/"([^"]*)", -?\d+:R/g), (found) => found[1]));
@@ -25,7 +26,8 @@ function columns(preferences, recent) {
   return Array.from({ length: texts.length / 2 }, (_, place) => {
     const [title, format] = texts.slice(2 * place, 2 * place + 2);
     const digits = format === "%t" && precision ? DIGITS[precision[1]] : null;
-    return { title, format, isRight: format === "%t" || format === "%m" || right.has(format.replace(/:0:R$/, "")), digits };
+    const field = format.match(/^%Cus:([\w.]+)/)?.[1];
+    return { title, format, field, isRight: format === "%t" || format === "%m" || right.has(format.replace(/:0:R$/, "")), digits };
   });
 }
 
