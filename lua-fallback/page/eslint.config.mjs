@@ -10,7 +10,7 @@ const js = createRequire(join(process.env.NPM, "package.json"))("@eslint/js");
 const BROWSER = `
   AbortController Blob CSS CustomEvent DOMException DOMParser DecompressionStream Event EventTarget Image MutationObserver ReadableStream Request
   ResizeObserver Response TextDecoder TextEncoder URL WebAssembly Worker addEventListener atob caches clearTimeout
-  document fetch IDBKeyRange indexedDB innerHeight location navigator performance print queueMicrotask removeEventListener self setTimeout
+  document fetch IDBKeyRange indexedDB innerHeight location navigator performance print requestAnimationFrame requestIdleCallback devicePixelRatio getComputedStyle localStorage matchMedia queueMicrotask removeEventListener self setTimeout
   showSaveFilePicker`;
 const NODE = "Buffer process";
 

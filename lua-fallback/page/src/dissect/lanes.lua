@@ -35,13 +35,12 @@ local function listen()
   local tap = Listener.new("frame")
 
   function tap.packet(pinfo)
-    local listeners, lasts = {listener()}, duration()
+    local talkers, listeners, begin, lasts, number = {talker()}, {listener()}, pinfo.rel_ts, duration(), pinfo.number
 
-    for place, from in ipairs({talker()}) do
-      local to = listeners[place]
-      records[#records + 1] = {pinfo.rel_ts, lasts, pinfo.number, from.value, to and to.value or NOBODY}
+    for place = 1, math.max(#talkers, 1) do
+      local from, to = talkers[place], listeners[place]
+      records[#records + 1] = {begin, lasts, number, from and from.value or NOBODY, to and to.value or NOBODY}
     end
-    if not talker() then records[#records + 1] = {pinfo.rel_ts, lasts, pinfo.number, NOBODY, NOBODY} end
   end
 
   function tap.draw()

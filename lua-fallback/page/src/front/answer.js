@@ -26,7 +26,7 @@ export class Answer {
   }
 
   forget() {
-    this.found = null;
+    this.found = this.capture.found = null;
     this.bar.replaceChildren();
     this.body.replaceChildren();
   }
@@ -58,7 +58,8 @@ export class Answer {
     const { bytes } = this.capture;
     const found = JSON.parse(new TextDecoder().decode(await reported(this.capture, "json", options)));
     if (bytes !== this.capture.bytes) return;
-    this.found = found;
+    this.found = this.capture.found = found;
+    this.capture.tell("judged");
     const { answer: [first, ...lines] } = found;
     this.bar.className = `answer-bar ${verdict(found)}`;
     this.bar.replaceChildren(element("b", {}, first), " ", ...this.slowest(), ...this.silent(), ...this.unjudged(), " ", element("a", { href: "#answer" }, "What happened"));

@@ -16,6 +16,7 @@ import { importBytes, openBytes, openPasted, visible } from "./files.js";
 import { FilterBar } from "./filter.js";
 import { findingsView } from "./findings.js";
 import { followView, streamOf } from "./follow.js";
+import { Lanes } from "./lanes.js";
 import { PacketList } from "./list.js";
 import { listenView } from "./listen.js";
 import { LogLines } from "./log.js";
@@ -98,6 +99,7 @@ const tellLimits = () => askLimits(capture, reopen);
 function packetsView(profile, answer) {
   const filter = new FilterBar(capture, profile.buttons);
   const list = new PacketList(capture, profile.columns);
+  const lanes = new Lanes(capture, { goTo, showing }, list);
   const tree = new Tree(capture, { onfilter: (text) => filter.apply(text) });
   const bytes = new Bytes(capture);
   const log = new LogLines(capture);
@@ -125,7 +127,7 @@ function packetsView(profile, answer) {
     });
   }
   return element("section", { className: "packets", "aria-label": "Packets" },
-    element("h1", { className: "visually-hidden" }, "Packets"), answer.bar, filter.root, notes, list.root, splitter(list.root), below, exporting);
+    element("h1", { className: "visually-hidden" }, "Packets"), answer.bar, filter.root, notes, lanes.root, list.root, splitter(list.root), below, exporting);
 }
 
 function showBusy() {

@@ -19,6 +19,9 @@ export class Records {
       again: 1 << rules.indexOf(AGAIN) };
     this.read(records);
     this.lanes = this.lanesOf();
+    this.all = Uint32Array.from({ length: this.numbers.length }, (_, place) => place);
+    this.faults = this.levels.reduce((sum, level) => sum + (level === FAULT), 0);
+    this.silences = this.lanes.reduce((sum, { silences }) => sum + silences.length, 0);
   }
 
   // Takes the records apart, sorted by time: a clock may be set back.
@@ -57,17 +60,17 @@ export class Records {
     return bits & reaction ? REACTION : OTHER;
   }
 
-  // Lanes: {station, name, isMaster, counts, places, silences}; places of records, and of commands to it without an answer.
+  // Lanes: {station, name, rank, faults, places, silences}; places of records, and of commands to it without an answer.
   lanesOf() {
     const lanes = new Map();
     const lane = (station) => {
-      if (!lanes.has(station)) lanes.set(station, { station, counts: [0, 0, 0, 0, 0], places: [], silences: [] });
+      if (!lanes.has(station)) lanes.set(station, { station, faults: 0, places: [], silences: [] });
       return lanes.get(station);
     };
     this.numbers.forEach((_, place) => {
-      const { places, counts } = lane(this.talkers[place]);
-      places.push(place);
-      counts[this.levels[place]]++;
+      const own = lane(this.talkers[place]);
+      own.places.push(place);
+      if (this.levels[place] === FAULT) own.faults++;
       if (this.bits[place] & this.unanswered) lane(this.listeners[place]).silences.push(place);
     });
     for (const one of lanes.values()) Object.assign(one, this.named(one));
