@@ -239,3 +239,66 @@ def test_a_lesson_has_no_lanes(chromium: Chromium) -> None:
     assert chromium.run("document.querySelector('.lanes').offsetHeight") == 0
     show_only(chromium, "packets")
     chromium.until(f"{CANVAS}.offsetHeight > 0")
+
+
+def test_all_changes_are_there_the_newest_first(
+    chromium: Chromium, tmp_path: Path
+) -> None:
+    """Also more than a thousand: those that are scrolled to. The last write has a line of its own."""
+    choose(chromium, capture_of(20_000, tmp_path))
+    show_only(chromium, "changes")
+    chromium.until(
+        "document.querySelector('[aria-label=Changes] td button')", timeout_s=300
+    )
+    table = "document.querySelector('[aria-label=Changes]')"
+    count = chromium.run(f"Number({table}.querySelector('table').ariaRowCount) - 1")
+    assert count > 1500
+    rows = f"[...{table}.querySelectorAll('tbody tr:not(.space)')]"
+    cells = f"{rows}.map((row) => [...row.cells].map((cell) => cell.textContent))"
+    first = chromium.run(cells)[0]
+    assert chromium.run(f"{rows}.length") < 100
+    last = chromium.run("document.querySelector('.last-write').textContent")
+    assert last == (
+        f"Last write: {first[0]}, master {first[1]}, station {first[2]}, {first[3]} {first[4]} "
+        f"from {first[5]} to {first[6]}, packet {first[7]}"
+    )
+    assert [int(row[7]) for row in chromium.run(cells)] == sorted(
+        (int(row[7]) for row in chromium.run(cells)), reverse=True
+    )
+    tab_to(chromium, "[aria-label=Changes]")
+    for width in (1280, 390):
+        chromium.size(width, 860)
+        chromium.run(SETTLED)
+        chromium.run(f"{table}.focus()")
+        chromium.press("End", 35)
+        chromium.until(f"{rows}.at(-1).ariaRowIndex === '{count + 1}'")
+        assert int(chromium.run(cells)[-1][7]) < 100
+        bottom = f"({rows}.at(-1).getBoundingClientRect().bottom - {table}.getBoundingClientRect().bottom)"
+        chromium.until(f"Math.abs({bottom}) < 20")
+        chromium.run(f"{table}.scrollTop = 0")
+        chromium.until(f"{rows}[0].ariaRowIndex === '2'")
+        assert chromium.run("document.documentElement.scrollWidth") <= width
+    chromium.run("document.querySelector('.last-write button').click()")
+    chromium.until(
+        f"location.hash === '#packets' && document.querySelector('.row.selected')?.children[0].textContent === '{first[7]}'"
+    )
+
+
+def test_changes_of_one_parameter(chromium: Chromium, tmp_path: Path) -> None:
+    """The rarest is offered first."""
+    choose(chromium, capture_of(1000, tmp_path))
+    show_only(chromium, "changes")
+    chromium.until("document.querySelector('[aria-label=Changes] td button')")
+    chromium.run(
+        "(([select]) => (select.selectedIndex = 1, select.dispatchEvent(new Event('change'))))([document.querySelector('#changed')])"
+    )
+    wanted = chromium.run(
+        "document.querySelector('#changed').selectedOptions[0].textContent"
+    )
+    name, count = wanted.removesuffix(")").split(" (")
+    rows = "[...document.querySelectorAll('[aria-label=Changes] tbody tr:not(.space)')]"
+    assert chromium.run(f"{rows}.length") == int(count)
+    shown = chromium.run(
+        f"{rows}.map((row) => `${{row.cells[3].textContent}} ${{row.cells[4].textContent}}, station ${{row.cells[2].textContent}}`)"
+    )
+    assert {one.replace(" ,", ",") for one in shown} == {name}
