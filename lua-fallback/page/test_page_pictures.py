@@ -302,3 +302,86 @@ def test_changes_of_one_parameter(chromium: Chromium, tmp_path: Path) -> None:
         f"{rows}.map((row) => `${{row.cells[3].textContent}} ${{row.cells[4].textContent}}, station ${{row.cells[2].textContent}}`)"
     )
     assert {one.replace(" ,", ",") for one in shown} == {name}
+
+
+CURVE = "document.querySelector('svg.curve')"
+CURVE_SAID = "document.querySelector('.curve-said').textContent"
+FINER = "Measure this part more exactly"
+
+
+def draw(browser: Chromium, name: str) -> None:
+    """Choose one of the curves."""
+    browser.run(f"""((select) => {{
+      select.value = [...select.options].find((one) => one.textContent === {name!r}).value;
+      select.dispatchEvent(new Event('change'));
+    }})(document.querySelector('#curve-graph'))""")
+    browser.until(f"{CURVE}?.ariaLabel.startsWith({name!r})")
+    idle(browser)
+
+
+def test_a_curve_has_units(chromium: Chromium, tmp_path: Path) -> None:
+    """Times are in ms; a value has the unit that was read on the bus."""
+    choose(chromium, capture_of(1000, tmp_path))
+    show_only(chromium, "curve")
+    chromium.until(CURVE)
+    for name, unit in (
+        ("Longest reaction time", "ms"),
+        ("Longest interval in a telegram", "ms"),
+        ("Velocity S-0-0040 of station 3", "rpm"),
+        ("Position S-0-0051 of station 3", "Deg"),
+    ):
+        draw(chromium, name)
+        assert (
+            chromium.run(f"{CURVE}.querySelector('.title').textContent")
+            == f"{name} [{unit}]"
+        )
+        assert (
+            chromium.run(CURVE_SAID)
+            .split(".  ")[0]
+            .split(" in ")[1]
+            .startswith(f"{unit}.")
+        )
+    draw(chromium, "Bus load in %")
+    assert (
+        chromium.run(f"{CURVE}.querySelector('.title').textContent") == "Bus load in %"
+    )
+
+
+def test_a_curve_is_zoomed_and_leads_to_packets(
+    chromium: Chromium, tmp_path: Path
+) -> None:
+    """Far away it is a band and a line; near by it has dots. The part that is seen can be measured more exactly."""
+    choose(chromium, capture_of(3000, tmp_path))
+    show_only(chromium, "curve")
+    chromium.until(CURVE)
+    dots = f"{CURVE}.querySelectorAll('.value').length"
+    assert chromium.run(dots) == 0
+    assert chromium.run(f"{CURVE}.querySelector('.band').getBBox().height") > 50
+    wheel = f"{CURVE}.dispatchEvent(new WheelEvent('wheel', {{deltaY: -1200, clientX: 600, cancelable: true}}))"
+    chromium.run(wheel)
+    assert 2 < chromium.run(dots) < 200
+    chromium.click(FINER)
+    chromium.until(
+        f"{CURVE}.querySelectorAll('.value').length && [...document.querySelectorAll('button')]"
+        ".some((one) => one.textContent === 'Measure all again' && !one.hidden)"
+    )
+    idle(chromium)
+    assert "(1 packet)" not in chromium.run(CURVE_SAID)
+    tab_to(chromium, "svg.curve")
+    chromium.press("ArrowRight", 39)
+    chromium.press("ArrowRight", 39)
+    assert chromium.run(CURVE_SAID).endswith("(1 packet)")
+    seconds, value = (
+        float(word.split()[0]) for word in chromium.run(CURVE_SAID).split(": ")
+    )
+    chromium.press("Enter", 13, "\r")
+    chromium.until("location.hash === '#packets'")
+    cells = "[...document.querySelector('.row.selected')?.children ?? []].map((one) => one.textContent)"
+    chromium.until(
+        f"Math.abs({cells}[1] - {seconds}) < 0.1 && Math.abs({cells}[7] - {value}) < 0.01"
+    )
+    show_only(chromium, "curve")
+    assert 2 < chromium.run(dots) < 200  # as it was left
+    chromium.click("Measure all again")
+    chromium.until(f"{CURVE} && !{dots}")
+    idle(chromium)

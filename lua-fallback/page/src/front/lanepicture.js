@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Draws the lanes: each column of pixels shows the worst of what it stands for.
 
-import { ticks } from "./curve.js";
+import { ticks } from "./ticks.js";
 import { COMMAND, FAULT, OTHER, REACTION } from "./records.js";
 
 export const LABELS = 74; // pixels to the left of time
