@@ -69,6 +69,7 @@ async function parts() {
   const first = {
     "sis.lua": readFileSync(join(here, "..", "sis.lua")),
     "page.lua": source("dissect", "page.lua"),
+    "lanes.lua": source("dissect", "lanes.lua"),
     ...Object.fromEntries(["preferences", "colorfilters", "dmacros"].map((name) => [name, profile(name)])),
     ...Object.fromEntries(["dfilter_buttons", "io_graphs", "recent"].map((name) => [name, profile(name)])),
     "dissect.js": ours + (await bundled("dissect/worker.js")),

@@ -10,7 +10,8 @@ const js = createRequire(join(process.env.NPM, "package.json"))("@eslint/js");
 const BROWSER = `
   AbortController Blob CSS CustomEvent DOMException DOMParser DecompressionStream Event EventTarget Image MutationObserver ReadableStream Request
   ResizeObserver Response TextDecoder TextEncoder URL WebAssembly Worker addEventListener atob caches clearTimeout
-  document fetch history IDBKeyRange indexedDB innerHeight location navigator performance print queueMicrotask removeEventListener self setTimeout
+  devicePixelRatio document fetch getComputedStyle history IDBKeyRange indexedDB innerHeight localStorage location matchMedia navigator
+  performance print queueMicrotask removeEventListener requestAnimationFrame requestIdleCallback self setTimeout
   showSaveFilePicker`;
 const NODE = "Buffer process";
 

@@ -3,7 +3,7 @@
 // what dissect.mjs prints of it in node.
 
 {
-  const TEXTS = ["page.lua", "sis.lua", "preferences", "colorfilters", "dmacros"];
+  const TEXTS = ["page.lua", "sis.lua", "lanes.lua", "preferences", "colorfilters", "dmacros"];
   let number = 0, worker = null;
   const bytesOf = (base64) => Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
   const part = (name) => {

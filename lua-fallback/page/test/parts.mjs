@@ -32,6 +32,7 @@ export function startDissector(others = {}) {
   const files = {
     "page.lua": readFileSync(join(here, "src", "dissect", "page.lua")),
     "sis.lua": readFileSync(join(here, "..", "sis.lua")),
+    "lanes.lua": readFileSync(join(here, "src", "dissect", "lanes.lua")),
     ...Object.fromEntries(names.map((name) => [name, readFileSync(join(profile, name))])),
     ...others,
   };

@@ -8,6 +8,7 @@ const TOGETHER = 1 << 16; // characters that are written at once
 const PROFILE = "/home/web_user/.config/wireshark";
 const STATISTICS = "srt,tree"; // Wireshark prints the last one first
 const AFTERWARDS = ["frame.coloring_rule.name 0 0", "frame.coloring_rule.string 0 0"]; // generated after page.lua has looked
+const OF_LANES = "sis.talker sis.listener sis.command.unanswered sertap.count sertap.baud";
 const PORTS = "synaxpd.ports"; // of no protocol, unless a preference names them
 /** @type {Watched} */ const UNWATCHED = { progress: () => {} };
 
@@ -60,10 +61,12 @@ export class Dissector {
     this.task = UNWATCHED; // whose progress is told while the capture is read
   }
 
-  begin({ "page.lua": page, "sis.lua": script, ...profile }) {
+  begin({ "page.lua": page, "sis.lua": script, "lanes.lua": lanes, ...profile }) {
     const { FS } = this.library;
     FS.writeFile("/plugins/page.lua", page); // Wireshark loads them in this order
     FS.writeFile("/plugins/sis.lua", script);
+    FS.writeFile("/plugins/z_lanes.lua", lanes);
+    this.rules = String(profile.colorfilters);
     FS.mkdirTree(PROFILE);
     for (const [name, text] of Object.entries({ ...OWN_FILES, ...profile })) FS.writeFile(`${PROFILE}/${name}`, text);
     this.library.init();
@@ -108,6 +111,7 @@ export class Dissector {
     this.watch(FS, bytes.length);
     this.session = new DissectSession(CAPTURE);
     this.filter = ""; // the last one
+    this.counted = null; // what a pass for figures has found
     const { code, error, summary } = this.during(task, () => this.session.load());
     if (error || (code && !summary.packet_count)) {
       this.close();
@@ -216,23 +220,35 @@ export class Dissector {
     };
   }
 
-  // Dissects all packets once more, and returns the statistics of sis.lua and the expert items. The preferences have to
-  // be set before the capture is opened: `forFigures`.
+  // Returns the statistics of sis.lua and the expert items. The preferences have to be set before the capture is opened:
+  // `forFigures`.
   figures(task) {
-    this.printed.length = 0;
-    this.graph(task, { graph0: "packets", interval: "1000000" });
-    const experts = this.library.FS.readFile("/experts", { encoding: "utf8" });
-    return {
-      statistics: this.printed.join("\n"),
-      experts: experts ? experts.split("\n").map((line) => line.split("\t")) : [],
-    };
+    const { statistics, experts } = this.count(task);
+    return { statistics, experts: experts ? experts.split("\n").map((line) => line.split("\t")) : [] };
   }
 
-  // Runs Wireshark's I/O graphs; returns the values of each.
-  graph(task, wanted) {
+  // Returns what the lanes draw: {rules, records}, the names of the rules that colour the list, and bytes of lanes.lua.
+  // The preferences are those of figures, and whatever comes second takes no time.
+  lanes(task) {
+    const rules = Array.from(this.rules.matchAll(/^@([^@]*)@/gm), ([, name]) => name);
+    return { rules, records: this.count(task).records };
+  }
+
+  // Dissects all packets once more, for all figures.
+  count(task) {
+    if (this.counted) return this.counted;
+    const { FS } = this.library;
+    this.printed.length = 0;
+    this.graph(task, { graph0: "packets", interval: "1000000" }, OF_LANES, this.rules);
+    this.counted = { statistics: this.printed.join("\n"), experts: FS.readFile("/experts", { encoding: "utf8" }), records: FS.readFile("/lanes") };
+    return this.counted;
+  }
+
+  // Runs Wireshark's I/O graphs; returns the values of each. `others` are texts with more fields to make.
+  graph(task, wanted, ...others) {
     const input = new this.library.MapInput();
     for (const [name, text] of Object.entries(wanted)) input.set(name, text);
-    this.want(...Object.values(wanted));
+    this.want(...Object.values(wanted), ...others);
     const { error, iograph } = this.during(task, () => this.session.iograph(input));
     input.delete();
     const graphs = taken(iograph, ({ items }) => taken(items));
@@ -247,7 +263,7 @@ export const LARGEST = 700_000_000;
 // What a person may change, as Wireshark has it.
 export const USUAL = { "sis.edition": "IF02", "sis.tza_ms": 0, "sis.trs_ms": 0 };
 
-export const forFigures = { "sis.statistics": STATISTICS, "page.experts": "TRUE" };
+export const forFigures = { "sis.statistics": STATISTICS, "page.experts": "TRUE", "page_lanes.on": "TRUE" };
 
 // Marks that turn the direction of writing, as the Wireshark of Debian 12 shows them; this one leaves them as they are.
 const visible = (text) => text.replace(/[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/g,

@@ -8,7 +8,7 @@ import { startDissector } from "./start.js";
 let dissector;
 
 // Those of Dissector's calls whose first argument is the task, and those that need none.
-const WITH_TASK = ["open", "rows", "figures", "graph"];
+const WITH_TASK = ["open", "rows", "figures", "lanes", "graph"];
 const PLAIN = ["prefer", "trouble", "completions", "packet"];
 
 serve({

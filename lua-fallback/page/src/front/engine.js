@@ -6,7 +6,7 @@ import { Peer } from "../protocol.js";
 import { buffers } from "../unpack.js";
 import { part, partText, scriptAddress } from "./parts.js";
 
-const FILES = ["page.lua", "sis.lua", "preferences", "colorfilters", "dmacros"];
+const FILES = ["page.lua", "sis.lua", "lanes.lua", "preferences", "colorfilters", "dmacros"];
 
 let compiled = null; // a promise of Wireshark's compiled code, for the next worker
 let script = null; // a promise of the address of the worker's script

@@ -18,6 +18,7 @@ import { FilterBar } from "./filter.js";
 import { findingsView } from "./findings.js";
 import { folded } from "./folded.js";
 import { followView, streamOf } from "./follow.js";
+import { Lanes } from "./lanes.js";
 import { PacketList } from "./list.js";
 import { listenView } from "./listen.js";
 import { LogLines } from "./log.js";
@@ -101,6 +102,7 @@ const tellLimits = () => askLimits(capture, reopen);
 function packetsView(profile, answer) {
   const filter = new FilterBar(capture, profile.buttons);
   const list = new PacketList(capture, profile.columns, { onsort: (sort) => showing(() => capture.sortBy(sort)) });
+  const lanes = new Lanes(capture, { goTo, showing }, list);
   const tree = new Tree(capture, { onfilter: (text) => filter.apply(text) });
   const bytes = new Bytes(capture);
   menusOf(capture, { list, tree, bytes }, (text) => filter.apply(text));
@@ -131,7 +133,7 @@ function packetsView(profile, answer) {
   }
   return element("section", { className: "packets", "aria-label": "Packets" },
     element("h1", { className: "visually-hidden" }, "Packets"), folded(answer.bar, "what happened"), filter.root,
-    folded(notes, "notes"), list.root, splitter(list.root), below, exporting.root);
+    folded(notes, "notes"), lanes.root, list.root, splitter(list.root), below, exporting.root);
 }
 
 // A lesson remembers what it has to. If a person has done nothing yet, the browser would complain.
