@@ -48,6 +48,7 @@ def test_bytes_without_text(tmp_path: Path) -> None:
         ("SERCOS-ASCII\n", "is a backup of the parameters of a drive"),
         ("10:00:00.000 55 AA 10 20 30 40 50 60\n", "has 8 bytes, but no telegram of SIS"),
         ("hello\n", "has no bytes in hexadecimal"),
+        ("\x01\x02\x03\x04hello", "is no capture, no text"),
     ],
 )
 def test_what_has_no_telegrams_says_what_it_is(text: str, why: str, tmp_path: Path) -> None:

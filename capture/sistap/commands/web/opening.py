@@ -11,14 +11,19 @@ from sistap.commands.annotate import annotating, sources
 from sistap.commands.annotate.annotating import Passage
 from sistap.commands.annotate.cutting import PiecePart
 from sistap.commands.annotate.pattern import PatternReader
+from sistap.commands.annotate.raw import CONTROLS
 from sistap.commands.annotate.sources import LogSource
 from sistap.commands.annotate.spool import Spool
+from sistap.commands.annotate.textlog import UTF_16
 from sistap.commands.annotate.troubles import Troubles
 from sistap.commands.imports.formats import known
 from sistap.commands.parameters import backup
 from sistap.tap.records.cut import SIS
 from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.exits import Refusal
+
+_ENOUGH = 1 << 16  # bytes of a file that tell whether it is text
+_CONTROLS_OF_TEXT = 50  # at most one character of so many
 
 
 class OpenedLog:
@@ -80,6 +85,13 @@ def _refuse_backup(log: Path) -> None:
             )
 
 
+def _is_binary(log: Path) -> bool:
+    with log.open("rb") as file:
+        beginning = file.read(_ENOUGH)
+    controls = len(beginning) - len(beginning.translate(None, CONTROLS))
+    return controls > len(beginning) / _CONTROLS_OF_TEXT and not beginning.startswith(UTF_16)
+
+
 def _remarks(source: LogSource) -> list[str]:
     if source.is_raw:
         return ["It is no text: its bytes are read as they are, without times and directions."]
@@ -88,6 +100,11 @@ def _remarks(source: LogSource) -> list[str]:
 
 def _nothing(log: Path, passage: Passage) -> str:
     """Say why nothing can be shown."""
+    if _is_binary(log):
+        return (
+            f"{log.name} is no capture, no text, and no recording that sistap knows: "
+            f"open a capture, or a log that an editor can show"
+        )
     if passage.has_ascii:
         return (
             f"{log.name} has the ASCII protocol of drives: on a computer with sistap, "

@@ -2,6 +2,7 @@
 // Opens what a person has dropped, chosen or pasted: Wireshark reads captures, sistap reads logs and recordings of other
 // tools and makes captures of them.
 
+import { noteNothing, refuseNothing } from "./nothing.js";
 import { callTap } from "./tap.js";
 
 // The first bytes of captures, in hexadecimal: pcapng, pcap with us and ns in both byte orders.
@@ -22,12 +23,15 @@ const isCapture = (bytes) => CAPTURES.includes(head(bytes)) || head(bytes).start
 export async function openBytes(capture, name, bytes, { pattern = "" } = {}) {
   const { made, ...origin } = await captureOf(capture, name, bytes, pattern);
   await capture.open(name, made, { ...origin, number: origin.log ? FIRST : 0 });
-  if (made === bytes && /^USB/.test(capture.link)) await importBytes(capture, name, bytes);
+  if (made !== bytes) return;
+  if (/^USB/.test(capture.link) && capture.packets) await importBytes(capture, name, bytes);
+  else await noteNothing(capture);
 }
 
 // Makes a capture of a file, unless it is one: {made, log, imported}; `log` has the lines of a log, `imported` what was
 // said of another recording.
 export async function captureOf(capture, name, bytes, pattern = "") {
+  refuseNothing(name, bytes);
   if (isCapture(bytes)) return { made: bytes };
   let log;
   try {
