@@ -90,3 +90,42 @@ def test_sis_that_comes_late(chromium: Chromium, tmp_path: Path) -> None:
     chromium.run("document.querySelector('.packet-list').focus()")
     chromium.press("End", 35)
     chromium.until(f"{TREE}.includes('Checksum: 0xd9 [correct]')")
+
+
+def paste(browser: Chromium, text: str) -> None:
+    browser.run("location.hash = '#open'")
+    browser.until("!document.querySelector('section.start').hidden")
+    browser.run("document.querySelector('#pasted').value = ''; document.querySelector('#pasted').focus()")
+    browser.type(text)
+    browser.click("Decode")
+    browser.until(f"location.hash === '#packets' && document.querySelector('.packet-list .row.selected') || {TROUBLE}")
+    browser.until("document.querySelector('#busy').hidden")
+
+
+def test_telegrams_as_people_have_them(chromium: Chromium) -> None:
+    """The bytes light up in what was pasted."""
+    for text, said in {
+        "02_D9_00_00_00_12_10_03": "",
+        "STX D9 NUL NUL NUL DC2 DLE ETX": "bytes: hexadecimal with names of control characters.",
+        "AtkAAAASEAM=": "bytes: base64.",
+        "０２ Ｄ９ ００ ００ ００ １２ １０ ０３": "",
+    }.items():
+        paste(chromium, text)
+        chromium.until(f"document.querySelector('.log-line b.chosen')?.textContent === {text.rstrip('=')!r}")
+        assert "Checksum: 0xd9 [correct]" in chromium.run(TREE)
+        assert chromium.run(NOTE) == said
+
+
+def test_a_telegram_that_is_cut_when_it_is_pasted(chromium: Chromium) -> None:
+    """As the last of several, too."""
+    paste(chromium, "02 C3 02 02 10 12 10 03 00")
+    assert "The telegram is cut" in chromium.run(TREE)
+    assert "Sender address: 16" in chromium.run(TREE)
+    assert chromium.run(NOTE).startswith("There is no right telegram of SIS in 9 bytes")
+    paste(chromium, "02 D9 00 00 00 12 10 03\n02 C3 02 02 10 12 10 03 00")
+    assert chromium.run(NOTE) == ""
+    chromium.run("document.querySelector('.packet-list').focus()")
+    chromium.press("End", 35)
+    chromium.until(f"{TREE}.includes('The telegram is cut')")
+    paste(chromium, "hello")
+    assert chromium.run(TROUBLE).startswith("There are no bytes in this text: paste them in hexadecimal")
