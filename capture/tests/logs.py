@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode, urlsafe_b64encode
 from typing import NamedTuple
 
 from specification import TELEGRAMS
@@ -524,5 +525,23 @@ LOGS: dict[str, tuple[str, list[Expected]]] = {
     "a table, a decimal number a line": (
         "time,value\n" + "".join(f"0.{541 + place},{byte}\n" for place, byte in enumerate(READ_PHASE + PHASE)),
         [Expected(READ_PHASE, SHARED, 0), Expected(PHASE, SHARED, 8)],
+    ),
+    "underscores": ("".join(f"{one.hex('_').upper()}\n" for one in (SET_RATE, READ_PHASE, PHASE)), NO_TIMES),
+    "full-width characters": (
+        "０２ ６Ｃ ００ ００ ００ ９２ ００ ００\n０２　５６　０２　０２　１０　９２　００　００　００　０２\n",
+        EVEN,
+    ),
+    "names of control characters": (
+        "STX D7 ETX ETX NUL ETX DLE ETX EOT 07 NUL\n<STX> 6C <NUL> <NUL> <NUL> 92 <NUL> <NUL>\n"
+        "stx 56 stx stx dle 92 nul nul nul stx\n",
+        NO_TIMES,
+    ),
+    "base64": (f"{b64encode(SET_RATE).decode()}\n{b64encode(READ_PHASE + PHASE).decode()}\n", NO_TIMES),
+    "base64 in JSON, without an end": (
+        "".join(
+            f'{{"topic": "SomeTelegram/drive", "payload": "{urlsafe_b64encode(one).decode().rstrip("=")}"}}\n'
+            for one in (SET_RATE, READ_PHASE, PHASE)
+        ),
+        NO_TIMES,
     ),
 }

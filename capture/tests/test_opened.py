@@ -13,17 +13,20 @@ from portable import posix
 from sistap.commands.web.opening import is_import, open_log
 from sistap.dissected.captures.reading import records
 from sistap.dissected.wireshark import window
+from sistap.tap.records.record import Type
 from sistap.tap.terminal.exits import DONE, FAILED, Refusal
 
 # Fig. 8-20, and what fig. 8-21 answers: in phase 2.
 ASKS, ANSWERS = "02 6C 00 00 00 92 00 00", "02 56 02 02 10 92 00 00 00 02"
 
 
-def opened(folder: Path, text: str, name: str = "x.log") -> dict[str, list[object]]:
+def opened(folder: Path, text: str, name: str = "x.log", *, is_pasted: bool = False) -> dict[str, list[object]]:
     (folder / name).write_text(text)
     done: list[float] = []
-    found: dict[str, list[object]] = json.loads(open_log(str(folder / name), str(folder / "x.pcapng"), "", done.append))
-    assert done == sorted(done) and done[-1] <= 1
+    files = str(folder / name), str(folder / "x.pcapng")
+    found: dict[str, list[object]] = json.loads(open_log(*files, "", done.append, is_pasted=is_pasted))
+    assert done[-1] <= 1
+    assert is_pasted or done == sorted(done)  # a few bytes are read twice
     return found
 
 
@@ -48,11 +51,43 @@ def test_bytes_without_text(tmp_path: Path) -> None:
         ("SERCOS-ASCII\n", "is a backup of the parameters of a drive"),
         ("10:00:00.000 55 AA 10 20 30 40 50 60\n", "has 8 bytes, but no telegram of SIS"),
         ("hello\n", "has no bytes in hexadecimal"),
+        ("\x01\x02\x03\x04hello", "is no capture, no text"),
     ],
 )
 def test_what_has_no_telegrams_says_what_it_is(text: str, why: str, tmp_path: Path) -> None:
     with pytest.raises(Refusal, match=why):
         opened(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "data", "kind"),
+    [
+        (ASKS[:-3], ASKS[:-3], Type.FRAME),
+        ("02 6C", "02 6C", Type.FRAME),
+        (f"{ANSWERS[:-1]}3", f"{ANSWERS[:-1]}3", Type.FRAME),
+        (ASKS.replace(" ", "_")[:-3], ASKS[:-3], Type.FRAME),
+        ("STX 6C NUL NUL NUL 92 NUL", ASKS[:-3], Type.FRAME),
+        ("55 AA 10", "55 AA 10", Type.OTHER),
+    ],
+)
+def test_what_is_pasted_needs_no_right_telegram(text: str, data: str, kind: Type, tmp_path: Path) -> None:
+    """A telegram that is cut is shown as one."""
+    said = opened(tmp_path, text, is_pasted=True)["said"]
+    assert said == [f"There is no right telegram of SIS in {len(data.split())} bytes: what is wrong stands beside each"]
+    _, record = records(tmp_path / "x.pcapng")
+    assert (record.type, record.data.hex(" ").upper()) == (kind, data)
+
+
+def test_the_last_telegram_that_is_pasted_may_be_cut(tmp_path: Path) -> None:
+    assert opened(tmp_path, f"{ASKS} {ANSWERS[:-3]}", is_pasted=True)["said"] == []
+    _, *telegrams = records(tmp_path / "x.pcapng")
+    assert [one.type for one in telegrams] == [Type.FRAME, Type.FRAME]
+    assert [one.data.hex(" ").upper() for one in telegrams] == [ASKS, ANSWERS[:-3]]
+
+
+def test_bytes_have_to_be_pasted(tmp_path: Path) -> None:
+    with pytest.raises(Refusal, match="There are no bytes in this text"):
+        opened(tmp_path, "hello", is_pasted=True)
 
 
 def test_what_import_is_for(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from sistap.commands.annotate.textlog import LogLine
 from sistap.tap.records.cut import SIS, Cut
 from sistap.tap.records.framer import ASCII_WORD
 from sistap.tap.records.record import Type
+from sistap.tap.sis.telegram import START
 
 LONGEST_LINE = 1_000_000  # characters; each takes 350 bytes of memory while they are read
 
@@ -38,12 +39,23 @@ class FoundInLine(NamedTuple):
 class Passage:
     """The reading of a log, from its first line to its last."""
 
-    def __init__(self, reader: LogReader, trouble: Trouble = lambda _, __: None, framing: Cut = SIS) -> None:
-        """Read with this reader; call `trouble` for lines that cannot be read; `framing` says what a frame is."""
+    def __init__(
+        self,
+        reader: LogReader,
+        trouble: Trouble = lambda _, __: None,
+        framing: Cut = SIS,
+        *,
+        takes_cut: bool = False,
+    ) -> None:
+        """Read with this reader; call `trouble` for lines that cannot be read; `framing` says what a frame is.
+
+        With `takes_cut`, bytes that begin as a telegram are a damaged one, whatever else is there.
+        """
         self._reader = reader
         self._trouble = trouble
         self._cutter = RecordCutter(framing)
         self._framing = framing
+        self._takes_cut = takes_cut
         self.lines = 0
         self.bytes = 0
         self.telegrams = 0  # right ones
@@ -78,6 +90,8 @@ class Passage:
         record = cut.record
         if record.is_good_frame:
             self.telegrams += 1
+        elif self._takes_cut and record.data[0] == START:
+            return cut._replace(record=record._replace(type=Type.FRAME, checksum_bad=True))
         elif record.type == Type.OTHER or not (self.telegrams or self._reader.is_trusted):
             self._look_for_ascii(record.data)
             return cut._replace(record=record._replace(type=Type.OTHER, checksum_bad=False))

@@ -7,6 +7,7 @@ A notation is numbers, which stand in runs with the same separator between all o
 from __future__ import annotations
 
 import re
+from base64 import b64decode
 from collections.abc import Iterator
 from itertools import groupby, pairwise
 from typing import Any, NamedTuple
@@ -28,6 +29,14 @@ _WIDEST = 256  # bytes in a line of a dump
 _BORDERS = 6  # characters around the column
 _COLUMN = re.compile(r"(?: {2,}|\t|[ \t]*\||[ \t]+(?=['\"*]))['\"*|]?")
 _SEPARATORS = {" ": "spaces", ",": "commas", ";": "semicolons", "-": "dashes", ":": "colons", "\t": "tabs", "": ""}
+_CONTROL_NAMES = (
+    "NUL SOH STX ETX EOT ENQ ACK BEL BS HT/TAB LF VT FF CR SO SI DLE DC1/XON DC2 DC3/XOFF DC4 NAK SYN ETB CAN EM SUB "
+    "ESC FS GS RS US SP"
+)
+_CONTROLS = {name: number for number, names in enumerate(_CONTROL_NAMES.split()) for name in names.split("/")}
+del _CONTROLS["FF"]  # more likely a byte
+# Full-width forms, as a Chinese or Japanese keyboard writes them, and their blank: one character for one.
+_FULL_WIDTH = {**{code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)}, 0x3000: 0x20}
 
 
 class Run(NamedTuple):
@@ -41,6 +50,9 @@ class Run(NamedTuple):
 
     def spans(self) -> list[tuple[int, int]]:
         """Return where in the line each byte is written."""
+        if self.form == BASE64.name:  # three bytes in four characters
+            firsts = (self.start + at * 4 // 3 for at in range(len(self.data)))
+            return [(first, first + 2) for first in firsts]
         spans = [(self.start + one.start(), self.start + one.end()) for one in _BYTE[self.form].finditer(self.text)]
         spans = _swapped(spans) if self.form == _SWAPPED else spans
         return spans + [(self.end, self.end)] * (len(self.data) - len(spans))  # the end of a line of text
@@ -115,8 +127,34 @@ class TextNotation(NamedTuple):
         return is_bytes or any(one.lastgroup in _BASES for one in self.byte.finditer(run.text))
 
 
-Notation = Numbers | TextNotation
+class Base64(NamedTuple):
+    """Texts of base64, of which a telegram begins with A and one of sixteen letters."""
 
+    name: str = "base64"
+    hint: re.Pattern[str] = re.compile(r"A[g-v]")
+    is_plain: bool = False
+    text: re.Pattern[str] = re.compile(r"(?<![\w.+/=-])(?:[A-Za-z0-9+/]{2,}|[A-Za-z0-9_-]{2,})={0,2}(?![\w+/=-])")
+
+    def runs(self, text: str) -> tuple[list[Run], int]:
+        """Find such texts; there is no column behind them."""
+        found = [(one, _of_base64(one[0])) for one in self.text.finditer(text)]
+        return [Run(one.start(), one.end(), self.name, one[0], data) for one, data in found if data], len(text)
+
+    def is_wide(self, run: Run, _: str) -> bool:
+        """Tell whether it begins as a telegram does. A word may have such letters, too."""
+        return len(run.data) >= _LEAST and self.hint.match(run.text) is not None
+
+
+def _of_base64(text: str) -> bytes:
+    """Decode base64, also that of addresses, also without its end; empty if it is none."""
+    text = text.rstrip("=").replace("-", "+").replace("_", "/")
+    return b64decode(text + "=" * (-len(text) % 4)) if len(text) % 4 != 1 else b""
+
+
+Notation = Numbers | TextNotation | Base64
+
+_LEAST = 8  # bytes of a telegram
+BASE64 = Base64()
 _BASES = {"hex": 16, "octal": 8, "decimal": 10}
 _LETTERS = dict(zip("0abefnrtvslp", b"\0\a\b\x1b\f\n\r\t\v \n\f", strict=True))
 
@@ -127,6 +165,8 @@ def _value(one: re.Match[str]) -> int:
     said = one[kind]
     if kind in _BASES:
         return int(said, _BASES[kind]) & 0xFF
+    if kind == "control":
+        return _CONTROLS[said.upper()]
     return _LETTERS.get(said.lower(), ord(said)) if kind == "letter" else ord(said)
 
 
@@ -145,6 +185,10 @@ def _quoted(escape: str) -> str:
 PAIRS = _numbers("pairs of hexadecimal digits", _HH, _HH, f"({_HH})", 4)
 _JOINED = _numbers("hexadecimal digits side by side", _HH * 2, rf"(?:{_HH})+", f"({_HH})", 8, is_joined=True)
 _DECIMAL = r"(?:-(?:12[0-8]|1[01]\d|\d?\d)|25[0-5]|2[0-4]\d|[01]?\d?\d)"
+_CONTROL = "|".join(_CONTROLS)
+_GAPS = r"[ \t,;]+"
+_WORD = rf"[<\[]?(?:(?i:{_CONTROL})|{_HH})[>\]]?"
+_NAMED = rf"(?=(?:{_HH}{_GAPS}){{0,7}}[<\[]?(?i:{_CONTROL})\b)"  # one of the first is a name
 NOTATIONS: tuple[Notation, ...] = (
     PAIRS,
     _text(
@@ -165,6 +209,14 @@ NOTATIONS: tuple[Notation, ...] = (
         "words", r"16#|KH|0[xX]|\\x", rf"(?:{_MARK_OF_WORD}){_HH}(?:_?{_HH})+", rf"(?:{_MARK_OF_WORD}|_)?({_HH})", 4
     ),
     _JOINED,
+    _numbers("pairs joined by underscores", rf"{_HH}_{_HH}", rf"{_HH}(?:_{_HH})+", f"({_HH})", _LEAST, is_joined=True),
+    TextNotation(
+        "hexadecimal with names of control characters",
+        re.compile(rf"\b(?i:{_CONTROL})\b"),
+        re.compile(rf"{_BEFORE}{_NAMED}(?P<said>{_WORD}(?:{_GAPS}{_WORD}){{3,}})(?!\w)"),
+        re.compile(rf"\b(?:(?P<hex>{_HH})|(?P<control>(?i:{_CONTROL})))\b"),
+        is_plain=True,
+    ),
     _numbers("bits", "[01]{8}", "[01]{8}", "([01]{8})", 4, base=2),
     _numbers(_SWAPPED, _HH * 2, _HH * 2, f"({_HH})", 4, is_plain=False),
     _numbers("hexadecimal without leading zeros", _H, _H, f"({_H})", 8, is_plain=False),
@@ -196,9 +248,10 @@ NOTATIONS: tuple[Notation, ...] = (
         r"  \\(?P<letter>[0abfnrtv])| (?P<octal>[0-7]{3})|   (?P<quoted>.)",
         r"^[0-7]{7}(?P<said>(?:  \\[0abfnrtv]| [0-7]{3}|   [ -~])+)$",
     ),
+    BASE64,
 )
 BY_NAME = {notation.name: notation for notation in NOTATIONS}
-_BYTE = {**{notation.name: notation.byte for notation in NOTATIONS}, "characters": re.compile(".")}
+_BYTE = {one.name: one.byte for one in NOTATIONS if not isinstance(one, Base64)} | {"characters": re.compile(".")}
 
 # The usual form: pairs up to the end of the line, with nothing in front that could be bytes.
 _NOTHING_ELSE = re.compile(r"[^\dA-Fa-f'\"\\$%&]*(?<![\w.#/+])([0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*)\s*")
@@ -209,6 +262,11 @@ def _swapped(items: list[Any]) -> list[Any]:
     return [item for at in range(0, len(items), 2) for item in reversed(items[at : at + 2])]
 
 
+def narrow(text: str) -> str:
+    """Return a text of the same length without full-width characters."""
+    return text if text.isascii() else text.translate(_FULL_WIDTH)
+
+
 def plain(text: str) -> Run | None:
     """Return the bytes of a line that has nothing else, in the usual form: quickly."""
     found = _NOTHING_ELSE.fullmatch(text)
@@ -217,6 +275,7 @@ def plain(text: str) -> Run | None:
 
 def parse(text: str, start: int = 0) -> Run:
     """Parse text that is known to be bytes; `start` is its place in the line. ValueError says why that fails."""
+    text = narrow(text)
     for notation in NOTATIONS:
         for run in notation.runs(text)[0][:1]:
             if notation.is_plain and run.text == text:

@@ -20,7 +20,7 @@ from sistap.tap.records.cut import Cut
 from sistap.tap.records.record import Framing, Record
 
 _HEADING = re.compile(rb"(?:=~)+=? PuTTY log [\d. :]+ (?:=~)+=?\r?\n")
-_CONTROLS = bytes({*range(0x20), 0x7F} - {*b"\t\n\f\r\x1b"})  # hardly any text has them
+CONTROLS = bytes({*range(0x20), 0x7F} - {*b"\t\n\f\r\x1b"})  # hardly any text has them
 _PIECE = 4096  # bytes; with more a framer takes longer for each
 _SETTINGS = LineSettings(baud=0)  # a log does not state the settings
 
@@ -30,7 +30,7 @@ def is_raw(beginning: bytes, framing: Cut) -> bool:
 
     Frames between silences need times, so a log of them is text.
     """
-    if framing.framing == Framing.SILENCE or beginning == beginning.translate(None, _CONTROLS):
+    if framing.framing == Framing.SILENCE or beginning == beginning.translate(None, CONTROLS):
         return False
     return _telegrams(beginning, RawCutter(framing), RawReader(), framing) > _telegrams(
         beginning, LineCutter(), AnyReader([*lines([beginning])], framing), framing

@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 
 from sistap.commands.annotate import marks
 from sistap.commands.annotate.marks import MASK, PORT, Marks
-from sistap.commands.annotate.notations import NOTATIONS, PAIRS, Notation, Numbers, Run, plain
+from sistap.commands.annotate.notations import NOTATIONS, PAIRS, Notation, Numbers, Run, narrow, plain
 from sistap.commands.annotate.stamps import Stamp, Stamped, TimestampParser
 from sistap.commands.annotate.textlog import LogLine
 from sistap.dissected.explain.fields import EXPLANATION
@@ -139,7 +139,7 @@ class ChosenReader:
 
     def prepare(self, line: LogLine) -> Prepared | None:
         """Mask the stamps of a line; None if it repeats what others say."""
-        text = line.text
+        text = narrow(line.text)
         if is_explanation(text) or ("IRP_MJ_" in text and _WAY_BACK.search(text)):
             return None
         if "\x1b" in text:

@@ -9,16 +9,24 @@ from pathlib import Path
 
 from sistap.commands.annotate import annotating, sources
 from sistap.commands.annotate.annotating import Passage
+from sistap.commands.annotate.choosing import AnyReader
 from sistap.commands.annotate.cutting import PiecePart
 from sistap.commands.annotate.pattern import PatternReader
+from sistap.commands.annotate.raw import CONTROLS
+from sistap.commands.annotate.reading import LogReader
 from sistap.commands.annotate.sources import LogSource
 from sistap.commands.annotate.spool import Spool
+from sistap.commands.annotate.textlog import UTF_16
 from sistap.commands.annotate.troubles import Troubles
 from sistap.commands.imports.formats import known
 from sistap.commands.parameters import backup
 from sistap.tap.records.cut import SIS
 from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.exits import Refusal
+
+_NOTHING_PASTED = "There are no bytes in this text: paste them in hexadecimal, such as 02 D9 00 00 00 12 10 03"
+_ENOUGH = 1 << 16  # bytes of a file that tell whether it is text
+_CONTROLS_OF_TEXT = 50  # at most one character of so many
 
 
 class OpenedLog:
@@ -44,20 +52,40 @@ def is_import(name: str) -> bool:
     return known(Path(name)) is not None
 
 
-def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], None]) -> str:
-    """Write a log as a capture; its packets are an event, then the telegrams. Return an OpenedLog as JSON. Refusal."""
+def open_log(
+    name: str, capture: str, pattern: str, progress: Callable[[float], None], *, is_pasted: bool = False
+) -> str:
+    """Write a log as a capture; its packets are an event, then the telegrams. Return an OpenedLog as JSON. Refusal.
+
+    What `is_pasted` needs no right telegram, and may be a few bytes.
+    """
     log = Path(name)
     _refuse_backup(log)
+    readers: list[LogReader | None] = [PatternReader(pattern) if pattern else None]
+    if is_pasted:
+        readers.append(AnyReader())  # it reads a few bytes, too
+    for reader in readers:
+        found, passage = _read(log, capture, reader, progress, is_pasted=is_pasted)
+        if passage.telegrams or (is_pasted and passage.bytes and not passage.has_ascii):
+            break
+    else:
+        raise Refusal(_NOTHING_PASTED if is_pasted and not passage.has_ascii else _nothing(log, passage))
+    if not passage.telegrams:
+        found.said.append(f"There is no right telegram of SIS in {_count(passage)}: what is wrong stands beside each")
+    return json.dumps(found.__dict__)
+
+
+def _read(
+    log: Path, capture: str, reader: LogReader | None, progress: Callable[[float], None], *, is_pasted: bool
+) -> tuple[OpenedLog, Passage]:
     unread: list[str] = []
     troubles = Troubles(unread.append)
     try:
-        source = sources.look(name, SIS, PatternReader(pattern) if pattern else None)
-        passage = Passage(source.reader, troubles.add)
+        source = sources.look(str(log), SIS, reader)
+        passage = Passage(source.reader, troubles.add, takes_cut=is_pasted)
         with Spool() as spool, Path(capture).open("wb") as file:
             batches = source.lines(SIS, lambda part: progress(part / 2))
             annotating.record(batches, passage, log.name, file.write, spool)
-            if not passage.telegrams:
-                raise Refusal(_nothing(log, passage))
             troubles.end()
             found = OpenedLog(_remarks(source), unread)
             for batch in spool.batches(lambda part: progress(0.5 + part / 2)):
@@ -68,7 +96,11 @@ def open_log(name: str, capture: str, pattern: str, progress: Callable[[float], 
                         found.add(parts)
     except ValueError as error:
         raise Refusal(str(error)) from None
-    return json.dumps(found.__dict__)
+    return found, passage
+
+
+def _count(passage: Passage) -> str:
+    return f"{passage.bytes} byte{'' if passage.bytes == 1 else 's'}"
 
 
 def _refuse_backup(log: Path) -> None:
@@ -80,6 +112,13 @@ def _refuse_backup(log: Path) -> None:
             )
 
 
+def _is_binary(log: Path) -> bool:
+    with log.open("rb") as file:
+        beginning = file.read(_ENOUGH)
+    controls = len(beginning) - len(beginning.translate(None, CONTROLS))
+    return controls > len(beginning) / _CONTROLS_OF_TEXT and not beginning.startswith(UTF_16)
+
+
 def _remarks(source: LogSource) -> list[str]:
     if source.is_raw:
         return ["It is no text: its bytes are read as they are, without times and directions."]
@@ -88,12 +127,16 @@ def _remarks(source: LogSource) -> list[str]:
 
 def _nothing(log: Path, passage: Passage) -> str:
     """Say why nothing can be shown."""
+    if _is_binary(log):
+        return (
+            f"{log.name} is no capture, no text, and no recording that sistap knows: "
+            f"open a capture, or a log that an editor can show"
+        )
     if passage.has_ascii:
         return (
             f"{log.name} has the ASCII protocol of drives: on a computer with sistap, "
             f"`sistap annotate --framing ascii {shell_word(log.name)}` explains it"
         )
     if passage.bytes:
-        count = f"{passage.bytes} byte{'' if passage.bytes == 1 else 's'}"
-        return f"{log.name} has {count}, but no telegram of SIS: it may be the log of another protocol"
+        return f"{log.name} has {_count(passage)}, but no telegram of SIS: it may be the log of another protocol"
     return f"{log.name} has no bytes in hexadecimal: make the other program log in hexadecimal"

@@ -11,11 +11,17 @@ const number = (id, value) => element("input", { type: "number", id, min: 0, max
 // Asks with a form; `done` gets what was typed, by id.
 function ask(title, explanation, fields, action, done) {
   const form = element("form", { method: "dialog" }, element("h2", {}, title), explanation && element("p", {}, explanation), ...fields,
-    element("p", {}, element("button", { type: "submit" }, action), " ", button("Cancel", () => dialog.close())));
+    element("p", {}, element("button", { type: "submit" }, action), " ", button("Cancel", () => dialog.close(), { autofocus: fields.length === 0 })));
   const dialog = element("dialog", { "aria-label": title, onclose: () => dialog.remove() }, form);
   form.addEventListener("submit", () => done(Object.fromEntries([...form.elements].filter(({ id }) => id).map(({ id, value }) => [id, value.trim()]))));
   document.body.append(dialog);
   dialog.showModal();
+}
+
+// Asks before something is gone.
+export function askForget(what, done) {
+  ask("Forget my progress?", `This deletes ${what} from this browser, and all that you have typed in the lessons. If a teacher wants your results, save them first.`,
+    [], "Forget", done);
 }
 
 export function askLimits(capture, done) {

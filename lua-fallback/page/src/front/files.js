@@ -2,6 +2,7 @@
 // Opens what a person has dropped, chosen or pasted: Wireshark reads captures, sistap reads logs and recordings of other
 // tools and makes captures of them.
 
+import { noteNothing, refuseNothing } from "./nothing.js";
 import { callTap } from "./tap.js";
 
 // The first bytes of captures, in hexadecimal: pcapng, pcap with us and ns in both byte orders.
@@ -19,19 +20,22 @@ const head = (bytes) => Array.from(bytes.subarray(0, 4), (byte) => byte.toString
 
 const isCapture = (bytes) => CAPTURES.includes(head(bytes)) || head(bytes).startsWith(PACKED);
 
-export async function openBytes(capture, name, bytes, { pattern = "" } = {}) {
-  const { made, ...origin } = await captureOf(capture, name, bytes, pattern);
+export async function openBytes(capture, name, bytes, { pattern = "", isPasted = false } = {}) {
+  const { made, ...origin } = await captureOf(capture, name, bytes, { pattern, isPasted });
   await capture.open(name, made, { ...origin, number: origin.log ? FIRST : 0 });
-  if (made === bytes && /^USB/.test(capture.link)) await importBytes(capture, name, bytes);
+  if (made !== bytes) return;
+  if (/^USB/.test(capture.link) && capture.packets) await importBytes(capture, name, bytes);
+  else await noteNothing(capture);
 }
 
 // Makes a capture of a file, unless it is one: {made, log, imported}; `log` has the lines of a log, `imported` what was
 // said of another recording.
-export async function captureOf(capture, name, bytes, pattern = "") {
+export async function captureOf(capture, name, bytes, { pattern = "", isPasted = false } = {}) {
+  refuseNothing(name, bytes);
   if (isCapture(bytes)) return { made: bytes };
   let log;
   try {
-    log = await capture.long(`Reading ${name}`, (options) => callTap("log", [fileName(name), bytes, pattern], options));
+    log = await capture.long(`Reading ${name}`, (options) => callTap("log", [fileName(name), bytes, pattern, isPasted], options));
   } catch (error) {
     throw Object.assign(error, ASKS_PATTERN.test(error.message) ? { log: { name, bytes } } : {});
   }
@@ -42,7 +46,7 @@ export async function captureOf(capture, name, bytes, pattern = "") {
 
 export async function openPasted(capture, text) {
   if (!text.trim()) throw new Error("Paste a telegram first");
-  return openBytes(capture, PASTED, new TextEncoder().encode(text));
+  return openBytes(capture, PASTED, new TextEncoder().encode(text), { isPasted: true });
 }
 
 // `told` are options of `sistap import`, such as {baud: "9600"}.

@@ -121,7 +121,7 @@ function packetsView(profile, answer) {
     element("div", { className: "pane" }, bytes.root), logPane);
   const notes = element("div", { className: "notes" });
   const again = () => importOtherwise(capture.imported.said.join(" "), { name: capture.name, ...capture.imported });
-  const showNotes = () => notes.replaceChildren(capture.trouble, ...remarksOf(capture, again));
+  const showNotes = () => notes.replaceChildren(...remarksOf(capture, again));
   capture.addEventListener("noted", showNotes);
   for (const event of ["opened", "grown"]) {
     capture.addEventListener(event, () => {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The list of the lessons; results of learners, for a teacher.
 
-import { button, element, save, table } from "../front/dom.js";
+import { askForget } from "../front/dialogs.js";
+import { button, element, plural, save, table } from "../front/dom.js";
+import { visible } from "../front/files.js";
 import { ours } from "./ours.js";
 import { readResults } from "./progress.js";
 
@@ -32,27 +34,44 @@ function item({ name, title, aim, questions }, progress) {
 
 function ofLearner(progress, renew) {
   const name = element("input", { type: "text", id: "learner" });
-  const fileName = () => `results ${name.value.replace(/[^\w -]/g, "_") || "of somebody"}.json`;
+  const fileName = () => `results ${name.value.replace(/[^\p{L}\p{M}\p{N}_ -]/gu, "_") || "of somebody"}.json`;
   return [element("p", { className: "form-line" }, element("label", { htmlFor: "learner" }, "Your name"), name,
     button("Save my results", () => save(fileName(), progress.results(name.value), "application/json")),
-    button("Forget my progress", () => {
+    button("Forget my progress", () => askForget(plural(progress.answers, "answer"), () => {
       progress.forget();
       renew();
-    }))];
+    })))];
 }
 
 function ofTeacher(lessons, showing) {
   const holder = element("div", {});
-  const read = async () => {
+  const readAll = async () => {
     const files = [...chooser.files];
     chooser.value = ""; // so that the same file can be chosen again
-    const results = await Promise.all(files.map(async (file) => readResults(await file.text())));
-    holder.replaceChildren(classTable(lessons, results));
+    const read = await Promise.all(files.map(readFile));
+    const results = read.filter(({ trouble }) => !trouble), others = read.filter(({ trouble }) => trouble);
+    holder.replaceChildren(...(results.length ? [classTable(lessons, results)] : []), ...notRead(others));
   };
   const chooser = element("input", { type: "file", id: "results", multiple: true, accept: ".json", className: "visually-hidden",
-    onchange: () => showing(read) });
+    onchange: () => showing(readAll) });
   const label = element("label", { htmlFor: "results", className: "button" }, "Read the results of a class");
   return [element("p", {}, "For teachers: ", chooser, label), holder];
+}
+
+// What a learner has saved, or why it cannot be read: {file, trouble}.
+async function readFile(file) {
+  try {
+    return readResults(await file.text());
+  } catch ({ message }) {
+    return { file: visible(file.name), trouble: message };
+  }
+}
+
+// A class has many files: the wrong ones are named.
+function notRead(others) {
+  if (!others.length) return [];
+  return [element("p", { role: "status" }, `${plural(others.length, "file")} could not be read:`),
+    element("ul", { className: "not-read" }, ...others.map(({ file, trouble }) => element("li", {}, element("b", {}, file), `: ${trouble}`)))];
 }
 
 function classTable(lessons, results) {
@@ -62,6 +81,6 @@ function classTable(lessons, results) {
     return `${one.right(name)}/${questions.length}${shown ? ` (${shown} shown)` : ""}`;
   };
   const rows = results.sort((one, other) => one.name.localeCompare(other.name))
-    .map((one) => [one.name || "no name", ...lessons.map((lesson) => cell(one, lesson)), one.when.slice(0, 10)]);
+    .map((one) => [visible(one.name) || "no name", ...lessons.map((lesson) => cell(one, lesson)), one.when.slice(0, 10)]);
   return table([head, ...rows], { name: "Results of the class" });
 }

@@ -45,8 +45,9 @@ export function learnView(capture, packetsView, { showing, applyFilter }) {
       kept: progress.of(lesson.name).typed, matched, showing,
       typed: (field, text) => progress.type(lesson.name, field, text),
       told: (how) => {
-        progress.answer(lesson.name, question.number, how);
+        const counts = progress.answer(lesson.name, question.number, how);
         showState(lesson);
+        return counts;
       },
     }));
     const text = element("article", { className: "lesson-text" }, navigation(lesson, lessons, () => showing(() => printLesson(lesson, capture))),
@@ -64,7 +65,9 @@ export function learnView(capture, packetsView, { showing, applyFilter }) {
 
   function showState(lesson) {
     const { answers } = progress.of(lesson.name);
-    find(".lesson-state", root).textContent = `${progress.right(lesson.name)} of ${plural(lesson.questions.length, "question")} answered.`;
+    const opened = progress.shown(lesson.name);
+    find(".lesson-state", root).textContent = `${progress.right(lesson.name)} of ${plural(lesson.questions.length, "question")} answered\
+${opened ? `, ${plural(opened, "answer")} shown` : ""}.`;
     for (const section of root.querySelectorAll(".question")) section.classList.toggle("done", answers[section.dataset.number] === "right");
   }
 

@@ -46,9 +46,10 @@ export class Progress {
     }
   }
 
-  // How a question was answered: "right", or "shown" if its answer was opened before.
+  // How a question was answered: "right", or "shown" if its answer was opened before. What came first counts: returns it.
   answer(lesson, question, how) {
-    if (this.of(lesson).answers[question] !== "right") this.set(lesson, "answers", question, how);
+    if (!this.of(lesson).answers[question]) this.set(lesson, "answers", question, how);
+    return this.of(lesson).answers[question];
   }
 
   type(lesson, field, text) {
@@ -56,7 +57,20 @@ export class Progress {
   }
 
   right(lesson) {
-    return Object.values(this.of(lesson).answers).filter((how) => how === "right").length;
+    return this.counted(lesson, "right");
+  }
+
+  shown(lesson) {
+    return this.counted(lesson, "shown");
+  }
+
+  counted(lesson, how) {
+    return Object.values(this.of(lesson).answers).filter((one) => one === how).length;
+  }
+
+  // Of all lessons.
+  get answers() {
+    return Object.keys(this.lessons).reduce((sum, lesson) => sum + Object.keys(this.of(lesson).answers).length, 0);
   }
 
   forget() {
@@ -78,7 +92,7 @@ export function readResults(text) {
   } catch {
     found = {};
   }
-  if (found.kind !== KIND) throw new Error("This is no file of results: learners save one with “Save my results”");
+  if (found.kind !== KIND) throw new Error("this is no file of results: learners save one with “Save my results”");
   const lessons = object(found.lessons);
   const counted = (lesson, how) => Object.values(object(object(lessons[lesson]).answers)).filter((one) => one === how).length;
   return { name: String(found.name), when: String(found.when), right: (lesson) => counted(lesson, "right"), shown: (lesson) => counted(lesson, "shown") };

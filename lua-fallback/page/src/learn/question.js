@@ -10,7 +10,7 @@ const FORMS = {
 };
 
 // `kept` is what was typed before, by the name of a field; `matched(filter)` says how many packets a filter leaves;
-// `told` is called with "right" or "shown", `typed` with a field and its text.
+// `told` is called with "right" or "shown" and returns what counts, `typed` is called with a field and its text.
 export function questionOf({ number, text, lead, hint, answer, asks }, { kept, matched, showing, told, typed }) {
   const fields = asks.map((ask, place) => askOf(ask, `ask-${number}-${place}`, kept, typed));
   const verdict = element("p", { className: "verdict", role: "status" });
@@ -26,10 +26,12 @@ export function questionOf({ number, text, lead, hint, answer, asks }, { kept, m
     }
     const right = results.every(Boolean), parts = results.filter(Boolean).length;
     verdict.className = `verdict ${right ? "right" : "wrong"}`;
-    verdict.textContent = right ? "Right. The answer below says why."
-      : `${results.length > 1 ? `${parts} of ${results.length} right. ` : ""}Try again, or open the hint.`;
-    if (!right) return;
-    told("right");
+    if (!right) {
+      verdict.textContent = `${results.length > 1 ? `${parts} of ${results.length} right. ` : ""}Try again, or open the hint.`;
+      return;
+    }
+    verdict.textContent = told("right") === "right" ? "Right. The answer below says why."
+      : "Right. But the answer was opened before, so it counts as shown.";
     shown.open = true;
   }
 

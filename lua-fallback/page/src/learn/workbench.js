@@ -21,7 +21,7 @@ export function readBytes(text) {
 const layerOf = ({ tree }) => tree.find(({ filter }) => PROTOCOLS.includes(filter));
 
 // The telegram of a packet: {protocol, bytes}; undefined if it has none.
-function telegramOf(packet) {
+export function telegramOf(packet) {
   const layer = packet && layerOf(packet);
   if (!layer) return undefined;
   const { filter: protocol, source, start, length } = layer;

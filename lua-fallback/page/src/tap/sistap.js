@@ -105,13 +105,13 @@ export class Sistap {
 
   // Makes a capture of a log: {capture, lines, places, said, unread}, see sistap/commands/web/opening.py. Null for what has to be
   // imported.
-  log(task, name, bytes, pattern = "") {
+  log(task, name, bytes, pattern = "", isPasted = false) {
     const { FS } = this.python;
     FS.writeFile(`${WORK}/${name}`, bytes);
     try {
       return this.using("sistap.commands.web.opening", (opening) => {
         if (!pattern && opening.is_import(name)) return null;
-        const log = JSON.parse(opening.open_log(name, CAPTURE, pattern, (part) => task.progress(part)));
+        const log = JSON.parse(opening.open_log.callKwargs(name, CAPTURE, pattern, (part) => task.progress(part), { is_pasted: isPasted }));
         return { ...log, capture: FS.readFile(`${WORK}/${CAPTURE}`) };
       });
     } finally {
