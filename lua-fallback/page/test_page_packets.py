@@ -179,7 +179,8 @@ def test_a_record_of_43_000_characters_does_not_freeze_the_page(chromium: Chromi
       globalThis.longest = 0;
       addEventListener("keydown", () => {
         const begin = performance.now();
-        setTimeout(() => requestAnimationFrame(() => setTimeout(() => (longest = Math.max(longest, performance.now() - begin)))));
+        const end = () => (longest = Math.max(longest, performance.now() - begin));
+        setTimeout(() => requestAnimationFrame(() => setTimeout(end)));
       }, true);
     }""")
     focus_item(chromium, "Serial tap")
@@ -219,7 +220,7 @@ def test_a_long_branch_goes_on_where_its_items_end(chromium: Chromium, tmp_path:
 
 
 def test_the_bytes_are_those_of_the_telegram(chromium: Chromium) -> None:
-    """The envelope is a button away. What stands beside the bytes is seen in a narrow window, too: with shorter lines."""
+    """The envelope is a button away. In a narrow window lines are shorter, and letters still stand beside them."""
     chromium.size(1366, 768)
     choose(chromium, SILENCE)
     pressed = "document.querySelector('.tabs [aria-pressed=true]').textContent"
@@ -257,7 +258,8 @@ def watch_copies(browser: Chromium, *, is_file: bool = False) -> None:
     kept = "undefined" if is_file else "{writeText: async (text) => { globalThis.copied = text; }}"
     browser.run(f"""{{
       Object.defineProperty(navigator, "clipboard", {{configurable: true, value: {kept}}});
-      document.addEventListener("copy", () => (globalThis.copied = String(document.getSelection()) || document.activeElement.value));
+      const marked = () => String(document.getSelection()) || document.activeElement.value;
+      document.addEventListener("copy", () => (globalThis.copied = marked()));
     }}""")
 
 
