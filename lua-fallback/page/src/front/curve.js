@@ -43,7 +43,9 @@ export function curveView(capture, profile, { goTo, showing }) {
 
 class Curve {
   constructor(capture, { goTo, showing }) {
-    Object.assign(this, { capture, goTo, showing });
+    this.capture = capture;
+    this.goTo = goTo;
+    this.showing = showing;
     this.root = element("div", { className: "picture" });
     this.said = element("p", { className: "curve-said", role: "status" });
     this.acts = element("p", { className: "form-line" });
@@ -60,7 +62,8 @@ class Curve {
     if (!field) throw new Error("Type the name of a field, such as sis.value.number");
     const filter = graph?.field === field ? `(${graph.filter}) && ${field}` : field;
     if (this.picture && this.filter === filter && this.field === field) return; // who comes back finds it as it was
-    Object.assign(this, { field, filter });
+    this.field = field;
+    this.filter = filter;
     this.title = graph?.field === field ? graph.name : field;
     this.zoom.setWhole(0, Math.max(this.capture.seconds, 0.001));
     await this.measure(0, this.zoom.last);

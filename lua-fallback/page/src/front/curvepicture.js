@@ -11,7 +11,11 @@ const TICK = 110; // pixels between two times
 export class CurvePicture {
   // `points` are [{time, count, least, mean, most}]; a value of a stepped curve holds until the next one.
   constructor({ points, step, zoom, title, isStepped }) {
-    Object.assign(this, { points, step, zoom, title, isStepped });
+    this.points = points;
+    this.step = step;
+    this.zoom = zoom;
+    this.title = title;
+    this.isStepped = isStepped;
     this.low = points.reduce((low, { least }) => Math.min(low, least), Infinity);
     this.high = points.reduce((high, { most }) => Math.max(high, most), -Infinity);
     const label = `${title} over time, from ${this.low} to ${this.high}`;

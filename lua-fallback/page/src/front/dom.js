@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Elements. Text from files becomes text nodes and attributes only, never HTML.
 
-export const find = (selector, inside = document) => inside.querySelector(selector);
+export const find = (/** @type {string} */ selector, /** @type {any} */ inside = document) => inside.querySelector(selector);
+export const findAll = (/** @type {string} */ selector, /** @type {any} */ inside = document) => [...inside.querySelectorAll(selector)];
 
 // Makes an element: element("a", { href: "#x", onclick: f, "aria-label": "y" }, "text", child, ...).
 export function element(tag, attributes = {}, ...children) {

@@ -18,7 +18,9 @@ const BANDS = { error: "--lane-error", warning: "--lane-warning", note: "--lane-
 
 export class LanePicture {
   constructor(canvas, records, zoom) {
-    Object.assign(this, { canvas, records, zoom });
+    this.canvas = canvas;
+    this.records = records;
+    this.zoom = zoom;
     const { length } = records.lanes;
     this.lane = Math.max(Math.min(LANE, MOST / length), LEAST);
     this.height = Math.ceil(length * this.lane) + AXIS;

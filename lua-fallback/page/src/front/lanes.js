@@ -17,7 +17,10 @@ const HELP = "Wheel: zoom. Drag, or Shift and wheel: move. Click: go to the pack
 export class Lanes {
   // `list` is the packet list, whose visible part is marked.
   constructor(capture, { goTo, showing }, list) {
-    Object.assign(this, { capture, goTo, showing, list });
+    this.capture = capture;
+    this.goTo = goTo;
+    this.showing = showing;
+    this.list = list;
     this.records = null;
     this.isDue = false; // what is open is still to be drawn
     this.zoom = new Zoom(() => this.redraw());

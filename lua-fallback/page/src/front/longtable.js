@@ -10,7 +10,8 @@ const PAD = 3; // characters beside a text
 // cell. `name` is for those who do not see it.
 export class LongTable {
   constructor({ columns, name, cell }) {
-    Object.assign(this, { columns, cell });
+    this.columns = columns;
+    this.cell = cell;
     this.rows = [];
     this.drawn = new Map(); // rows by place
     this.before = space();

@@ -10,7 +10,7 @@ import { compareView } from "./compare.js";
 import { learnView } from "../learn/learn.js";
 import { curveView } from "./curve.js";
 import { about, askImport, askLimits, askPattern } from "./dialogs.js";
-import { button, element, find } from "./dom.js";
+import { button, element, find, findAll } from "./dom.js";
 import { exportDialog } from "./export.js";
 import { rememberFilters } from "./history.js";
 import { importBytes, openBytes, openPasted, visible } from "./files.js";
@@ -159,7 +159,7 @@ function route() {
   shown = name;
   if (name !== "learn") find("#main").append(views.packets); // a lesson has it beside its text
   for (const [other, view] of Object.entries(views)) view.hidden = other !== name;
-  for (const link of document.querySelectorAll("nav a")) {
+  for (const link of findAll("nav a")) {
     if (link.hash === `#${name}`) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }

@@ -4,12 +4,14 @@
 import { element } from "./dom.js";
 
 const STEPS = { ArrowDown: 1, ArrowUp: -1 };
-let close = () => {}; // the menu that is open
+/** @type {(how?: {isLeft?: boolean}) => void} */ let close = () => {}; // the menu that is open
+
+const focused = () => /** @type {HTMLElement | null} */ (document.activeElement);
 
 // Opens a menu at {x, y}. `entries` are {words, act, isOn}: `isOn` of those that are ticked on and off; false is left out.
 export function openMenu(entries, { x, y }, name) {
   close();
-  const before = document.activeElement;
+  const before = focused();
   const list = element("ul", { className: "menu", role: "menu", "aria-label": name, onkeydown: (event) => press(event, list) },
     ...entries.filter(Boolean).map(({ words, act, isOn }) => element("li", {
       role: isOn === undefined ? "menuitem" : "menuitemcheckbox", tabIndex: -1, "aria-checked": isOn === undefined ? undefined : String(isOn),
@@ -54,7 +56,7 @@ export async function copy(text) {
   try {
     await navigator.clipboard.writeText(text);
   } catch { // a page in a file has none, or may not
-    const before = document.activeElement;
+    const before = focused();
     const field = element("textarea", { className: "visually-hidden", value: text, "aria-hidden": "true" });
     document.body.append(field);
     field.select();

@@ -10,6 +10,11 @@ const AGAIN = "SIS: unanswered or repeated";
 export const OTHER = 1, REACTION = 2, COMMAND = 3, FAULT = 4; // a column of the picture shows the greatest
 
 export class Records {
+  /** @type {Uint32Array} */ numbers; // of the packets
+  /** @type {Uint32Array} */ talkers;
+  /** @type {Uint32Array} */ listeners;
+  /** @type {Uint32Array} */ bits; // what the rules say
+
   constructor({ rules, records }) {
     this.rules = rules.map((name) => ({ words: name.replace(/^.*: /, ""), kind: KINDS[name] ?? "fault", isAgain: name === AGAIN }));
     this.unanswered = 1 << rules.length;
@@ -20,7 +25,7 @@ export class Records {
     this.read(records);
     this.lanes = this.lanesOf();
     this.all = Uint32Array.from({ length: this.numbers.length }, (_, place) => place);
-    this.faults = this.levels.reduce((sum, level) => sum + (level === FAULT), 0);
+    this.faults = this.levels.reduce((sum, level) => sum + Number(level === FAULT), 0);
     this.silences = this.lanes.reduce((sum, { silences }) => sum + silences.length, 0);
   }
 
@@ -31,7 +36,8 @@ export class Records {
     const order = Uint32Array.from({ length }, (_, place) => place);
     const time = (place) => data.getFloat64(place * SIZE, true);
     if (order.some((place) => place > 0 && time(place) < time(place - 1))) order.sort((one, other) => time(one) - time(other));
-    for (const name of ["numbers", "talkers", "listeners", "bits"]) this[name] = new Uint32Array(length);
+    const many = () => new Uint32Array(length);
+    Object.assign(this, { numbers: many(), talkers: many(), listeners: many(), bits: many() });
     this.lasts = new Float32Array(length);
     this.levels = new Uint8Array(length);
     this.longest = 0;

@@ -22,11 +22,11 @@ export async function allRows(viewer, filter, matched, { signal, progress }) {
 export function sorted(rows, column, isDown) {
   const keyed = rows.map((row) => ({ row, text: row.cells[column], value: Number(row.cells[column] || NaN) }));
   const turn = isDown ? -1 : 1;
-  return keyed.sort((one, other) => (one.text === "") - (other.text === "") || turn * compared(one, other)).map(({ row }) => row);
+  return keyed.sort((one, other) => Number(one.text === "") - Number(other.text === "") || turn * compared(one, other)).map(({ row }) => row);
 }
 
 function compared(one, other) {
   const areNumbers = [one, other].map(({ value }) => !Number.isNaN(value));
   if (areNumbers[0] && areNumbers[1]) return one.value - other.value;
-  return areNumbers[1] - areNumbers[0] || words.compare(one.text, other.text);
+  return Number(areNumbers[1]) - Number(areNumbers[0]) || words.compare(one.text, other.text);
 }

@@ -14,7 +14,8 @@ export class Zoom {
   }
 
   setWhole(first, last) {
-    Object.assign(this, { first, last, from: first, to: last });
+    this.first = this.from = first;
+    this.last = this.to = last;
   }
 
   get span() {
@@ -88,7 +89,7 @@ export function follow(root, zoom, { part, onclick }) {
     if (!pointer) return;
     moved = Math.max(moved, Math.abs(event.clientX - pointer.x));
     pointer.part = part(event);
-    if (moved >= CLICK) drag(zoom, [...pointers.values()]);
+    if (moved >= CLICK) drag(zoom, ...pointers.values());
   });
   const end = (event) => {
     if (!pointers.delete(event.pointerId)) return;
@@ -101,7 +102,7 @@ export function follow(root, zoom, { part, onclick }) {
 }
 
 // What was below one pointer stays below it; of two, both.
-function drag(zoom, [one, other]) {
+function drag(zoom, one = null, other = null) {
   const apart = other ? other.part - one.part : 0;
   const span = apart ? (other.at - one.at) / apart : zoom.span;
   if (span > 0) zoom.show(one.at - one.part * span, one.at + (1 - one.part) * span);

@@ -2,7 +2,7 @@
 // The characters of a packet on a line of time. Whoever moves one, or changes what the tap knew, sees what Wireshark says
 // of it then. Nothing is judged here.
 
-import { button, element } from "../front/dom.js";
+import { button, element, findAll } from "../front/dom.js";
 import { allOf, firstOf } from "../front/items.js";
 import { Bench } from "./bench.js";
 import { Characters } from "./characters.js";
@@ -32,7 +32,7 @@ class Timeline {
     this.bench = new Bench((packets) => this.show(packets));
     this.picture = element("div", { className: "picture" });
     this.about = element("div", { className: "character" });
-    this.sliders = SLIDERS.map((slider) => ({ ...slider, ...range(slider, (ms) => this.slide(slider, ms)) }));
+    this.sliders = SLIDERS.map((/** @type {any} */ slider) => ({ ...slider, ...range(slider, (ms) => this.slide(slider, ms)) }));
     this.said = element("ul", { className: "verdicts" });
     this.root = element("details", { className: "tool", ontoggle: () => this.root.open && !this.characters && this.take() },
       element("summary", {}, "A timeline to change"),
@@ -81,7 +81,7 @@ class Timeline {
   }
 
   draw() {
-    const focused = document.activeElement?.dataset?.character;
+    const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.dataset.character;
     this.picture.replaceChildren(picture(this.characters, this.chosen?.id, {
       choose: (one) => {
         this.chosen = one;
@@ -99,17 +99,17 @@ class Timeline {
   showChosen() {
     const { about, chosen, characters } = this;
     if (!chosen) return about.replaceChildren();
-    const [value, flags] = ["value", "flags"].map((which) => characters.get(chosen, which));
+    const [value, flags] = ["value", "flags"].map((which) => Number(characters.get(chosen, which)));
     const flip = (which, bits) => {
       characters.flip(chosen, which, bits);
       this.update();
     };
-    const active = [...about.querySelectorAll("button, input")].indexOf(document.activeElement);
+    const active = findAll("button, input", about).indexOf(document.activeElement);
     about.replaceChildren(element("b", {}, `Character ${chosen.place + 1}: `),
       ...[7, 6, 5, 4, 3, 2, 1, 0].map((bit) => button(String((value >> bit) & 1), () => flip("value", 1 << bit), { "aria-label": `Bit ${bit}` })),
       " ", ...Object.entries(FLAGS).map(([bits, words]) => element("label", {},
-        element("input", { type: "checkbox", checked: Boolean(flags & bits), onchange: () => flip("flags", Number(bits)) }), ` ${words} `)));
-    if (active >= 0) about.querySelectorAll("button, input")[active]?.focus();
+        element("input", { type: "checkbox", checked: Boolean(flags & Number(bits)), onchange: () => flip("flags", Number(bits)) }), ` ${words} `)));
+    if (active >= 0) findAll("button, input", about)[active]?.focus();
     return undefined;
   }
 }
