@@ -280,7 +280,8 @@ def test_all_changes_are_there_the_newest_first(
         assert chromium.run("document.documentElement.scrollWidth") <= width
     chromium.run("document.querySelector('.last-write button').click()")
     chromium.until(
-        f"location.hash === '#packets' && document.querySelector('.row.selected')?.children[0].textContent === '{first[7]}'"
+        f"location.hash === '#packets' && "
+        f"document.querySelector('.row.selected')?.children[0].textContent === '{first[7]}'"
     )
 
 
@@ -290,7 +291,8 @@ def test_changes_of_one_parameter(chromium: Chromium, tmp_path: Path) -> None:
     show_only(chromium, "changes")
     chromium.until("document.querySelector('[aria-label=Changes] td button')")
     chromium.run(
-        "(([select]) => (select.selectedIndex = 1, select.dispatchEvent(new Event('change'))))([document.querySelector('#changed')])"
+        "(([select]) => (select.selectedIndex = 1, select.dispatchEvent(new Event('change'))))"
+        "([document.querySelector('#changed')])"
     )
     wanted = chromium.run(
         "document.querySelector('#changed').selectedOptions[0].textContent"
@@ -299,7 +301,8 @@ def test_changes_of_one_parameter(chromium: Chromium, tmp_path: Path) -> None:
     rows = "[...document.querySelectorAll('[aria-label=Changes] tbody tr:not(.space)')]"
     assert chromium.run(f"{rows}.length") == int(count)
     shown = chromium.run(
-        f"{rows}.map((row) => `${{row.cells[3].textContent}} ${{row.cells[4].textContent}}, station ${{row.cells[2].textContent}}`)"
+        f"{rows}.map(({{cells}}) => "
+        "`${cells[3].textContent} ${cells[4].textContent}, station ${cells[2].textContent}`)"
     )
     assert {one.replace(" ,", ",") for one in shown} == {name}
 

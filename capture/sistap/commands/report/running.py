@@ -80,6 +80,7 @@ class Noting:
         self.noted: list[str] = []
 
     def __call__(self, text: str) -> None:
+        """Say it, and note it."""
         self._console.say(text)
         self.noted.append(visible(text))
 

@@ -10,7 +10,8 @@ const FRAMED = "about:srcdoc";
 export function framed(title, { applyFilter = null } = {}) {
   const frame = element("iframe", { title, sandbox: "allow-same-origin", className: "report-frame", hidden: true });
   const bar = element("p", { className: "report-bar" });
-  if (applyFilter) frame.addEventListener("load", () => linkFilters(frame.contentDocument, applyFilter));
+  // An empty frame has no document that the page may see.
+  if (applyFilter) frame.addEventListener("load", () => frame.contentDocument && linkFilters(frame.contentDocument, applyFilter));
   return {
     frame,
     bar,
