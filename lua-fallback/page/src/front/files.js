@@ -3,6 +3,7 @@
 // tools and makes captures of them.
 
 import { noteNothing, refuseNothing } from "./nothing.js";
+import { IndexedLines } from "../tap/loglines.js";
 import { callTap } from "./tap.js";
 
 // The first bytes of captures, in hexadecimal: pcapng, pcap with us and ns in both byte orders.
@@ -40,8 +41,8 @@ export async function captureOf(capture, name, bytes, { pattern = "", isPasted =
     throw Object.assign(error, ASKS_PATTERN.test(error.message) ? { log: { name, bytes } } : {});
   }
   if (!log) return imported(capture, name, bytes);
-  const { capture: made, ...lines } = log;
-  return { made, log: { ...lines, bytes, pattern } };
+  const { capture: made, lines, ...rest } = log;
+  return { made, log: { ...rest, lines: new IndexedLines(lines), bytes, pattern } };
 }
 
 export async function openPasted(capture, text) {
