@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import json
 import time
+from array import array
 from pathlib import Path
 
 import pytest
 from portable import posix
 
-from sistap.commands.web.opening import is_import, open_log
+from sistap.commands.web.opening import LINES, PLACES, is_import, open_log
 from sistap.dissected.captures.reading import records
 from sistap.dissected.wireshark import window
 from sistap.tap.records.record import Type
@@ -27,13 +28,18 @@ def opened(folder: Path, text: str, name: str = "x.log", *, is_pasted: bool = Fa
     found: dict[str, list[object]] = json.loads(open_log(*files, "", done.append, is_pasted=is_pasted))
     assert done[-1] <= 1
     assert is_pasted or done == sorted(done)  # a few bytes are read twice
-    return found
+    numbers = array("I", Path(f"{files[1]}{PLACES}").read_bytes())
+    return {
+        **found,
+        "lines": Path(f"{files[1]}{LINES}").read_text(encoding="utf-8").splitlines(),
+        "places": [[*numbers[at : at + 4]] for at in range(0, len(numbers), 4)],
+    }
 
 
 def test_a_log_stands_beside_its_telegrams(tmp_path: Path) -> None:
     found = opened(tmp_path, f"10:00:00.000 {ASKS}\n10:00:00.020 {ANSWERS}\n")
     assert found["lines"] == [f"10:00:00.000 {ASKS}", f"10:00:00.020 {ANSWERS}"]
-    assert found["places"] == [[[0, 13, 36]], [[1, 13, 42]]]  # line, first column, end
+    assert found["places"] == [[0, 0, 13, 36], [1, 1, 13, 42]]  # packet, line, first column, end
     assert found["unread"] == []
     _, *telegrams = records(tmp_path / "x.pcapng")
     assert [one.data.hex(" ").upper() for one in telegrams] == [ASKS, ANSWERS]

@@ -129,3 +129,46 @@ def test_a_telegram_that_is_cut_when_it_is_pasted(chromium: Chromium) -> None:
     chromium.until(f"{TREE}.includes('The telegram is cut')")
     paste(chromium, "hello")
     assert chromium.run(TROUBLE).startswith("There are no bytes in this text: paste them in hexadecimal")
+
+
+def long_log(count: int, of: int) -> str:
+    """Return a log in which each of so many lines has a telegram."""
+    lines = ["idle"] * count
+    for number in range(0, count, of):
+        lines[number] = f"{number // 3600:02}:{number // 60 % 60:02}:{number % 60:02}.000 02 D9 00 00 00 12 10 03"
+    return "".join(f"{line}\n" for line in lines)
+
+
+def test_a_log_of_half_a_million_lines(chromium: Chromium, tmp_path: Path) -> None:
+    """It has more lines than a browser has pixels; the first, the last, and those between can be seen and clicked."""
+    (tmp_path / "long.log").write_text(long_log(500_000, 10_000))
+    chromium.run("location.hash = '#open'")
+    chromium.choose("#chooser", tmp_path / "long.log")
+    chromium.until("location.hash === '#packets' && document.querySelector('.log-line b.chosen')", timeout_s=400)
+    assert chromium.run("document.querySelector('.log-body').offsetHeight") <= 8_000_000
+    line = "document.querySelector('.log-line b.chosen').parentNode.querySelector('i').textContent"
+    assert chromium.run(line) == "1"
+    chromium.run("document.querySelector('.packet-list').focus()")
+    chromium.press("End", 35)
+    chromium.until(f"document.querySelector('.log-line b.chosen') && {line} === '490001'")
+    box = "document.querySelector('.log-line b.chosen').getBoundingClientRect()"
+    assert chromium.run(f"document.elementFromPoint({box}.x + 2, {box}.y + 9).className") == "chosen"
+    chromium.run("document.querySelector('.log').scrollTop = 1e9")
+    chromium.until("[...document.querySelectorAll('.log-line i')].at(-1).textContent === '500000'")
+
+
+def test_follow_shows_its_progress_and_can_be_cancelled(chromium: Chromium) -> None:
+    choose(chromium, CAPTURES / "course" / "10-silence.pcapng")
+    chromium.run(
+        "new MutationObserver(() => { const bar = document.querySelector('#busy progress');"
+        "if (bar?.value > 0.1 && document.querySelector('.follow').children.length) globalThis.seen ??= bar.value,"
+        "document.querySelector('#busy button')?.click(); })"
+        ".observe(document.querySelector('#busy'), {subtree: true, attributes: true, childList: true})"
+    )
+    chromium.click("Follow")
+    chromium.until("globalThis.seen && document.querySelector('#busy').hidden")
+    bar = "document.querySelector('[aria-labelledby=follow-title] p').textContent"
+    chromium.until(f"/Cancelled after \\d+/.test({bar})")
+    count = chromium.run("document.querySelector('.follow').children.length")
+    assert 0 < count < 100
+    assert f"Cancelled after {count}." in chromium.run(bar)

@@ -69,9 +69,7 @@ def places(browser: Chromium, lane: int, colour: str) -> list[int]:
 
 def mouse(browser: Chromium, kind: str, x: float, lane: float, **more: object) -> None:
     """Do something with the mouse above a lane."""
-    left, top = browser.run(
-        f"(({{left, top}}) => [left, top])({CANVAS}.getBoundingClientRect())"
-    )
+    left, top = browser.run(f"(({{left, top}}) => [left, top])({CANVAS}.getBoundingClientRect())")
     at = {"x": left + x, "y": top + AXIS + (lane + 0.5) * LANE}
     browser.call("Input.dispatchMouseEvent", type=kind, **at, **more)
 
@@ -169,17 +167,13 @@ def test_the_lanes_zoom_and_move(chromium: Chromium, tmp_path: Path) -> None:
 def test_the_report_is_behind_the_lanes(chromium: Chromium, tmp_path: Path) -> None:
     """Its episodes are bands: the silence of station 4 in its lane."""
     lanes(chromium, played("silent-station", tmp_path))
-    chromium.until(
-        "document.querySelector('.answer-bar').textContent.startsWith('NOT OK')"
-    )
+    chromium.until("document.querySelector('.answer-bar').textContent.startsWith('NOT OK')")
     chromium.run(SETTLED)
     band = places(chromium, 2, "--lane-error")
     assert band
     assert not places(chromium, 1, "--lane-error")
     mouse(chromium, "mouseMoved", band[len(band) // 2], 2)
-    chromium.until(
-        "/error: Station silent/.test(document.querySelector('.lanes-tip:not([hidden])')?.textContent)"
-    )
+    chromium.until("/error: Station silent/.test(document.querySelector('.lanes-tip:not([hidden])')?.textContent)")
 
 
 def test_many_packets_are_drawn_when_asked(chromium: Chromium, tmp_path: Path) -> None:
@@ -192,9 +186,7 @@ def test_many_packets_are_drawn_when_asked(chromium: Chromium, tmp_path: Path) -
         assert chromium.run(f"/^Draw \\d+,\\d+ packets$/.test({draw}.textContent)")
         chromium.run(f"{draw}.click()")
         if telegrams == 100_000:
-            chromium.until(
-                "document.querySelector('#busy progress')?.value > 0.1", timeout_s=300
-            )
+            chromium.until("document.querySelector('#busy progress')?.value > 0.1", timeout_s=300)
             chromium.click("Cancel")
             chromium.until(f"document.querySelector('#busy').hidden && {draw}")
             chromium.run(f"{draw}.click()")
@@ -209,9 +201,7 @@ def test_many_packets_are_drawn_when_asked(chromium: Chromium, tmp_path: Path) -
           }}
           return took;
         }})()""")
-        print(
-            f"{telegrams} telegrams, load {load:.0f}: lanes after {took_s:.1f} s, drawn in {median(draws):.1f} ms"
-        )
+        print(f"{telegrams} telegrams, load {load:.0f}: lanes after {took_s:.1f} s, drawn in {median(draws):.1f} ms")
         assert median(draws) < FRAME_MS * (1 if load < 1 else BEARABLE)
         assert took_s < wanted_s * (1 if load < 1 else BEARABLE)
 
@@ -241,15 +231,11 @@ def test_a_lesson_has_no_lanes(chromium: Chromium) -> None:
     chromium.until(f"{CANVAS}.offsetHeight > 0")
 
 
-def test_all_changes_are_there_the_newest_first(
-    chromium: Chromium, tmp_path: Path
-) -> None:
+def test_all_changes_are_there_the_newest_first(chromium: Chromium, tmp_path: Path) -> None:
     """Also more than a thousand: those that are scrolled to. The last write has a line of its own."""
     choose(chromium, capture_of(20_000, tmp_path))
     show_only(chromium, "changes")
-    chromium.until(
-        "document.querySelector('[aria-label=Changes] td button')", timeout_s=300
-    )
+    chromium.until("document.querySelector('[aria-label=Changes] td button')", timeout_s=300)
     table = "document.querySelector('[aria-label=Changes]')"
     count = chromium.run(f"Number({table}.querySelector('table').ariaRowCount) - 1")
     assert count > 1500
@@ -294,9 +280,7 @@ def test_changes_of_one_parameter(chromium: Chromium, tmp_path: Path) -> None:
         "(([select]) => (select.selectedIndex = 1, select.dispatchEvent(new Event('change'))))"
         "([document.querySelector('#changed')])"
     )
-    wanted = chromium.run(
-        "document.querySelector('#changed').selectedOptions[0].textContent"
-    )
+    wanted = chromium.run("document.querySelector('#changed').selectedOptions[0].textContent")
     name, count = wanted.removesuffix(")").split(" (")
     rows = "[...document.querySelectorAll('[aria-label=Changes] tbody tr:not(.space)')]"
     assert chromium.run(f"{rows}.length") == int(count)
@@ -334,25 +318,13 @@ def test_a_curve_has_units(chromium: Chromium, tmp_path: Path) -> None:
         ("Position S-0-0051 of station 3", "Deg"),
     ):
         draw(chromium, name)
-        assert (
-            chromium.run(f"{CURVE}.querySelector('.title').textContent")
-            == f"{name} [{unit}]"
-        )
-        assert (
-            chromium.run(CURVE_SAID)
-            .split(".  ")[0]
-            .split(" in ")[1]
-            .startswith(f"{unit}.")
-        )
+        assert chromium.run(f"{CURVE}.querySelector('.title').textContent") == f"{name} [{unit}]"
+        assert chromium.run(CURVE_SAID).split(".  ")[0].split(" in ")[1].startswith(f"{unit}.")
     draw(chromium, "Bus load in %")
-    assert (
-        chromium.run(f"{CURVE}.querySelector('.title').textContent") == "Bus load in %"
-    )
+    assert chromium.run(f"{CURVE}.querySelector('.title').textContent") == "Bus load in %"
 
 
-def test_a_curve_is_zoomed_and_leads_to_packets(
-    chromium: Chromium, tmp_path: Path
-) -> None:
+def test_a_curve_is_zoomed_and_leads_to_packets(chromium: Chromium, tmp_path: Path) -> None:
     """Far away it is a band and a line; near by it has dots. The part that is seen can be measured more exactly."""
     choose(chromium, capture_of(3000, tmp_path))
     show_only(chromium, "curve")
@@ -374,15 +346,11 @@ def test_a_curve_is_zoomed_and_leads_to_packets(
     chromium.press("ArrowRight", 39)
     chromium.press("ArrowRight", 39)
     assert chromium.run(CURVE_SAID).endswith("(1 packet)")
-    seconds, value = (
-        float(word.split()[0]) for word in chromium.run(CURVE_SAID).split(": ")
-    )
+    seconds, value = (float(word.split()[0]) for word in chromium.run(CURVE_SAID).split(": "))
     chromium.press("Enter", 13, "\r")
     chromium.until("location.hash === '#packets'")
     cells = "[...document.querySelector('.row.selected')?.children ?? []].map((one) => one.textContent)"
-    chromium.until(
-        f"Math.abs({cells}[1] - {seconds}) < 0.1 && Math.abs({cells}[7] - {value}) < 0.01"
-    )
+    chromium.until(f"Math.abs({cells}[1] - {seconds}) < 0.1 && Math.abs({cells}[7] - {value}) < 0.01")
     show_only(chromium, "curve")
     assert 2 < chromium.run(dots) < 200  # as it was left
     chromium.click("Measure all again")

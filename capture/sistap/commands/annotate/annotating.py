@@ -61,6 +61,11 @@ class Passage:
         self.telegrams = 0  # right ones
         self.has_ascii = False  # between telegrams of SIS, there are words of the ASCII protocol
 
+    @property
+    def uncertainty_ns(self) -> int:
+        """Of the worst time; 0 without times."""
+        return self._cutter.uncertainty_ns
+
     def feed(self, line: LogLine) -> FoundInLine:
         """Read the next line."""
         if len(line.text) > LONGEST_LINE:

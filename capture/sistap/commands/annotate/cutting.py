@@ -105,6 +105,7 @@ class RecordCutter:
         self._framing = framing
         self._streams: dict[int, _Stream] = {}
         self._longest = 0
+        self.uncertainty_ns = 0  # of the worst time so far
 
     def feed(self, piece: Piece) -> list[LogRecord]:
         """Take what a line has; return what it completes. A second without a character completes a record, too."""
@@ -122,7 +123,9 @@ class RecordCutter:
     def _uncertainty_ns(self, piece: Piece) -> int:
         if piece.stamp is None:
             return UNCERTAINTY_UNKNOWN
-        return min(piece.stamp.resolution_ns + self._longest * _SLOWEST_CHARACTER_NS, UNCERTAINTY_UNKNOWN - 1)
+        ns = min(piece.stamp.resolution_ns + self._longest * _SLOWEST_CHARACTER_NS, UNCERTAINTY_UNKNOWN - 1)
+        self.uncertainty_ns = max(self.uncertainty_ns, ns)
+        return ns
 
     def _silent(self, piece: Piece) -> list[LogRecord]:
         """Return what no longer waits for its rest, in both directions. The time can also have been set back."""

@@ -29,6 +29,7 @@ from sistap.tap.records.record import Record
 
 BROWSER_NS = 5_000_000  # what the browser may add on the way from the port to the page, which nothing measures
 FTDI_MS = 16  # latency timer of an adapter that no driver has been told another
+_UNKNOWN = "{}: the delay of this adapter is not known, and not in the uncertainty"
 _SLEEP_NS = 8_000_000  # the page is awake at least this often, or it was late
 _MS = 1_000_000
 
@@ -45,7 +46,7 @@ class WebReader:
         self.adapter = str(self._behind)
         _, bound = self._bound(late_ns)
         self.timing = f"{bound.how}; times of the browser, in steps of 0.1 ms"
-        self.notes = bound.notes
+        self.notes: tuple[str, ...] = (_UNKNOWN.format(name),) if bound.notes else ()
         self._reads: deque[Read] = deque()
         self._lost = ""
 

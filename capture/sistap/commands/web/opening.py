@@ -4,47 +4,39 @@
 from __future__ import annotations
 
 import json
+from array import array
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from sistap.commands.annotate import annotating, sources
 from sistap.commands.annotate.annotating import Passage
 from sistap.commands.annotate.choosing import AnyReader
-from sistap.commands.annotate.cutting import PiecePart
 from sistap.commands.annotate.pattern import PatternReader
 from sistap.commands.annotate.raw import CONTROLS
 from sistap.commands.annotate.reading import LogReader
 from sistap.commands.annotate.sources import LogSource
-from sistap.commands.annotate.spool import Spool
+from sistap.commands.annotate.spool import LogEntry, Spool
 from sistap.commands.annotate.textlog import UTF_16
 from sistap.commands.annotate.troubles import Troubles
 from sistap.commands.imports.formats import known
 from sistap.commands.parameters import backup
+from sistap.tap.line.settings import in_ms
 from sistap.tap.records.cut import SIS
 from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.exits import Refusal
 
+LINES, PLACES = ".lines", ".places"  # what the names of the files end with
 _NOTHING_PASTED = "There are no bytes in this text: paste them in hexadecimal, such as 02 D9 00 00 00 12 10 03"
 _ENOUGH = 1 << 16  # bytes of a file that tell whether it is text
 _CONTROLS_OF_TEXT = 50  # at most one character of so many
 
 
 class OpenedLog:
-    """A log that was read."""
+    """What is said of a log that was read."""
 
     def __init__(self, said: list[str], unread: list[str]) -> None:
-        self.lines: list[str] = []
-        self.places: list[list[tuple[int, int, int]]] = []  # of each packet's bytes: line from 0, first column, end
         self.said = said  # of the whole log
         self.unread = unread  # lines that could not be read, and why
-
-    def add(self, parts: Iterable[PiecePart]) -> None:
-        """Note where the bytes of a packet stand."""
-        places = []
-        for piece, first, end in parts:
-            spans = piece.spans[first:end]
-            places.append((piece.line.number - 1, spans[0][0], spans[-1][1]))
-        self.places.append(places)
 
 
 def is_import(name: str) -> bool:
@@ -56,6 +48,9 @@ def open_log(
     name: str, capture: str, pattern: str, progress: Callable[[float], None], *, is_pasted: bool = False
 ) -> str:
     """Write a log as a capture; its packets are an event, then the telegrams. Return an OpenedLog as JSON. Refusal.
+
+    Beside the capture are LINES, in UTF-8, and PLACES: of the bytes of each packet without the event, four numbers of
+    32 bits, which are packet and line from 0, first column, end.
 
     What `is_pasted` needs no right telegram, and may be a few bytes.
     """
@@ -87,16 +82,26 @@ def _read(
             batches = source.lines(SIS, lambda part: progress(part / 2))
             annotating.record(batches, passage, log.name, file.write, spool)
             troubles.end()
-            found = OpenedLog(_remarks(source), unread)
-            for batch in spool.batches(lambda part: progress(0.5 + part / 2)):
-                for line, _, complete in batch:
-                    if line:
-                        found.lines.append(line.text)
-                    for parts in complete:
-                        found.add(parts)
+            _write_lines(capture, spool.batches(lambda part: progress(0.5 + part / 2)))
     except ValueError as error:
         raise Refusal(str(error)) from None
-    return found, passage
+    return OpenedLog(_remarks(source, passage), unread), passage
+
+
+def _write_lines(capture: str, batches: Iterable[list[LogEntry]]) -> None:
+    """Write the lines, and where in them the bytes of each packet stand. A log may have millions."""
+    packet = 0
+    with open(f"{capture}{LINES}", "wb") as lines, open(f"{capture}{PLACES}", "wb") as places:
+        for batch in batches:
+            numbers = array("I")
+            for _, _, complete in batch:
+                for parts in complete:
+                    for piece, first, end in parts:
+                        spans = piece.spans[first:end]
+                        numbers.extend((packet, piece.line.number - 1, spans[0][0], spans[-1][1]))
+                    packet += 1
+            lines.write("".join(f"{line.text}\n" for line, _, _ in batch if line).encode("utf-8", "replace"))
+            places.write(numbers.tobytes())
 
 
 def _count(passage: Passage) -> str:
@@ -119,10 +124,16 @@ def _is_binary(log: Path) -> bool:
     return controls > len(beginning) / _CONTROLS_OF_TEXT and not beginning.startswith(UTF_16)
 
 
-def _remarks(source: LogSource) -> list[str]:
+def _remarks(source: LogSource, passage: Passage) -> list[str]:
     if source.is_raw:
         return ["It is no text: its bytes are read as they are, without times and directions."]
-    return [f"bytes: {source.reader.notation}"] if source.reader.notation else []
+    remarks = [f"bytes: {source.reader.notation}"] if source.reader.notation else []
+    if passage.uncertainty_ns:
+        remarks.append(
+            f"Times are those of the log's lines, uncertain by up to {in_ms(passage.uncertainty_ns)}. An interval in "
+            f"the list is the longest that is possible"
+        )
+    return remarks
 
 
 def _nothing(log: Path, passage: Passage) -> str:

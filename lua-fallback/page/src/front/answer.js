@@ -146,7 +146,8 @@ export class Answer {
 const PARAMETERS = ["Parameter", "Name", "Station", "Reads", "Writes", "Errors", "First", "Last", "Written in"];
 
 // The colour of the bar: plain where something is to be looked at, or was not judged.
-function verdict({ ok, look, not_judged: unjudged }) {
+function verdict({ ok, look, not_judged: unjudged, telegrams }) {
+  if (!telegrams.all) return "";
   if (!ok) return "bad";
   return look || unjudged.length ? "" : "good";
 }

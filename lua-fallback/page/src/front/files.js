@@ -3,12 +3,14 @@
 // tools and makes captures of them.
 
 import { noteNothing, refuseNothing } from "./nothing.js";
+import { IndexedLines } from "../tap/loglines.js";
 import { callTap } from "./tap.js";
 
 // The first bytes of captures, in hexadecimal: pcapng, pcap with us and ns in both byte orders.
 const CAPTURES = ["0a0d0d0a", "d4c3b2a1", "a1b2c3d4", "4d3cb2a1", "a1b23c4d"];
 const PACKED = "1f8b"; // gzip: Wireshark unpacks it
 const PASTED = "pasted telegrams";
+const LARGEST = 200e6; // bytes of a file; a capture of 48 MB with 300,000 packets takes 0.4 GB of memory, of the 2 GB that there are
 const FIRST = 2; // packet 1 of a log is an event
 const IMPORTED = ".imported.pcapng";
 // What a person can cure here: the layout of a log, and what a recording does not say. Where the file is, nobody asks.
@@ -20,6 +22,12 @@ const head = (bytes) => Array.from(bytes.subarray(0, 4), (byte) => byte.toString
 
 const isCapture = (bytes) => CAPTURES.includes(head(bytes)) || head(bytes).startsWith(PACKED);
 
+export function refuseTooLarge({ name, size }) {
+  if (size <= LARGEST) return;
+  throw new Error(`${visible(name)} has ${Math.round(size / 1e6).toLocaleString("en")} MB, and this page opens up to ${LARGEST / 1e6} MB. ` +
+    "Cut a capture into parts, as editcap -c 100000 does, and open one of them; or open it in Wireshark itself");
+}
+
 export async function openBytes(capture, name, bytes, { pattern = "", isPasted = false } = {}) {
   const { made, ...origin } = await captureOf(capture, name, bytes, { pattern, isPasted });
   await capture.open(name, made, { ...origin, number: origin.log ? FIRST : 0 });
@@ -28,8 +36,9 @@ export async function openBytes(capture, name, bytes, { pattern = "", isPasted =
   else await noteNothing(capture);
 }
 
-// Makes a capture of a file, unless it is one: {made, log, imported}; `log` has the lines of a log, `imported` what was
-// said of another recording.
+/** Makes a capture of a file, unless it is one; `log` has the lines of a log, `imported` what was said of another
+ * recording.
+ * @returns {Promise<{made: Uint8Array, log?: any, imported?: any}>} */
 export async function captureOf(capture, name, bytes, { pattern = "", isPasted = false } = {}) {
   refuseNothing(name, bytes);
   if (isCapture(bytes)) return { made: bytes };
@@ -40,8 +49,8 @@ export async function captureOf(capture, name, bytes, { pattern = "", isPasted =
     throw Object.assign(error, ASKS_PATTERN.test(error.message) ? { log: { name, bytes } } : {});
   }
   if (!log) return imported(capture, name, bytes);
-  const { capture: made, ...lines } = log;
-  return { made, log: { ...lines, bytes, pattern } };
+  const { capture: made, lines, ...rest } = log;
+  return { made, log: { ...rest, lines: new IndexedLines(lines), bytes, pattern } };
 }
 
 export async function openPasted(capture, text) {

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The lines of a log beside its telegrams. capture.log is {lines, places, ...}: of each packet, but the event at the
-// beginning, the places of its bytes, [line, first column, end]. Chosen lines and packets light up both ways.
+// The lines of a log beside its telegrams: capture.log.lines, IndexedLines. Chosen lines and packets light up both ways.
 
 import { element } from "./dom.js";
 
 const ROW = 22; // pixels, as in page.css
 const MORE = 10;
 const FIRST = 2; // packet 1 is the event
+const TALLEST = 8_000_000; // pixels: no browser has an element of any height; of a longer log each pixel is more than one
 
 export class LogLines {
   constructor(capture) {
     this.capture = capture;
+    this.lines = null;
+    this.lineOf = new WeakMap(); // of elements: the number of the line, of a packet
+    this.packetOf = new WeakMap();
     this.body = element("div", { className: "log-body" });
     this.root = element("div", { className: "log", tabIndex: 0, role: "region", "aria-label": "Lines of the log",
       onscroll: () => this.draw(), onclick: (event) => this.click(event), onkeydown: (event) => this.press(event) }, this.body);
@@ -19,35 +22,39 @@ export class LogLines {
   }
 
   begin() {
-    const { log } = this.capture;
-    this.ofLine = new Map(); // line: [{packet, begin, end}]
-    log?.places.forEach((places, place) => {
-      for (const [line, begin, end] of places) {
-        if (!this.ofLine.has(line)) this.ofLine.set(line, []);
-        this.ofLine.get(line).push({ packet: place + FIRST, begin, end });
-      }
-    });
-    this.body.style.height = `${(log?.lines.length ?? 0) * ROW}px`;
+    this.lines = this.capture.log?.lines ?? null;
+    this.body.style.height = `${Math.min(this.count * ROW, TALLEST)}px`;
     this.root.scrollTop = 0;
     this.draw();
   }
 
-  draw() {
-    const lines = this.capture.log?.lines ?? [];
-    const first = Math.max(Math.floor(this.root.scrollTop / ROW) - MORE, 0);
-    const end = Math.min(first + Math.ceil(this.root.clientHeight / ROW) + 2 * MORE, lines.length);
-    this.body.replaceChildren(...Array.from({ length: Math.max(end - first, 0) }, (_, place) => this.line(first + place, lines)));
+  get count() {
+    return this.lines?.count ?? 0;
   }
 
-  line(number, lines) {
-    const text = lines[number], marks = [...(this.ofLine.get(number) ?? [])].sort((one, other) => one.begin - other.begin);
+  // How many lines a pixel of scrolling is.
+  get step() {
+    const seen = this.root.clientHeight;
+    return this.count * ROW <= TALLEST ? 1 / ROW : (this.count - seen / ROW) / (TALLEST - seen);
+  }
+
+  draw() {
+    const { scrollTop, clientHeight } = this.root;
+    const top = scrollTop * this.step; // a line and a part of it
+    const first = Math.max(Math.floor(top) - MORE, 0), end = Math.min(Math.ceil(top + clientHeight / ROW) + MORE, this.count);
+    this.body.replaceChildren(...Array.from({ length: Math.max(end - first, 0) }, (_, place) =>
+      this.made(first + place, scrollTop + (first + place - top) * ROW)));
+  }
+
+  made(number, top) {
+    const text = this.lines.line(number);
     const made = element("div", { className: "log-line" }, element("i", {}, String(number + 1)));
-    made.style.top = `${number * ROW}px`;
-    made.line = number;
+    made.style.top = `${top}px`;
+    this.lineOf.set(made, number);
     let at = 0;
-    for (const { packet, begin, end } of marks) {
-      const mark = element("b", { className: packet === this.capture.number ? "chosen" : "" }, text.slice(begin, end));
-      mark.packet = packet;
+    for (const { packet, begin, end } of this.lines.marks(number)) {
+      const mark = element("b", { className: packet + FIRST === this.capture.number ? "chosen" : "" }, text.slice(begin, end));
+      this.packetOf.set(mark, packet + FIRST);
       made.append(text.slice(at, begin), mark);
       at = end;
     }
@@ -56,17 +63,23 @@ export class LogLines {
   }
 
   follow() {
-    const place = this.capture.log?.places[this.capture.number - FIRST]?.[0];
-    if (place) {
-      const top = place[0] * ROW, seen = this.root.clientHeight;
-      if (top < this.root.scrollTop || top > this.root.scrollTop + seen - 2 * ROW) this.root.scrollTop = top - seen / 3;
+    const line = this.lines?.lineOf(this.capture.number - FIRST);
+    if (line !== undefined) {
+      const first = this.root.scrollTop * this.step, seen = this.root.clientHeight / ROW;
+      if (line < first || line > first + seen - 2) this.root.scrollTop = (line - seen / 3) / this.step;
     }
     this.draw();
   }
 
-  click(event) {
-    const packet = event.target.packet ?? this.ofLine.get(event.target.closest(".log-line")?.line)?.[0].packet;
+  click({ target }) {
+    const packet = this.packetOf.get(target) ?? this.firstIn(target.closest(".log-line"));
     if (packet) this.capture.goTo(packet);
+  }
+
+  // The first packet in a line.
+  firstIn(row) {
+    const [mark] = row ? this.lines.marks(this.lineOf.get(row)) : [];
+    return mark && mark.packet + FIRST;
   }
 
   // Up and down go to the telegrams of the log, one by one.

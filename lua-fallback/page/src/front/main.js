@@ -13,7 +13,7 @@ import { about, askImport, askLimits, askPattern } from "./dialogs.js";
 import { button, element, find, findAll } from "./dom.js";
 import { exportDialog } from "./export.js";
 import { rememberFilters } from "./history.js";
-import { importBytes, openBytes, openPasted, visible } from "./files.js";
+import { importBytes, openBytes, openPasted, refuseTooLarge, visible } from "./files.js";
 import { FilterBar } from "./filter.js";
 import { findingsView } from "./findings.js";
 import { folded } from "./folded.js";
@@ -74,6 +74,7 @@ const importOtherwise = (message, { name, bytes, told }) =>
 // One capture is open at a time.
 const openFiles = ([file, ...others]) => file && opening(async () => {
   const name = visible(file.name);
+  refuseTooLarge(file);
   await openBytes(capture, name, new Uint8Array(await file.arrayBuffer()));
   if (others.length) capture.note(`Only ${name} is open. Compare takes a second one.`);
 });

@@ -5,17 +5,22 @@ import { asCsv } from "./csv.js";
 import { button, element, save, table } from "./dom.js";
 
 const NUMBER = /^-?[\d.]+$/;
+const TIMES = { "Min SRT": "Shortest (ms)", "Max SRT": "Longest (ms)", "Avg SRT": "Mean (ms)" }; // Wireshark's are in s
+const OF_VALUES = / \(us\) +\d+$/; // a line whose values are not printed: its count would look like one
 
 // Returns {title, rows}; the first row is the head.
 function parsed(text) {
   return text.split("\n\n").map((block) => block.trim()).filter(Boolean).map((block) => {
     const [title, ...lines] = block.split("\n");
-    const rows = /^Index /.test(lines[0]) ? lines.map(spaced) : [["", "Count"], ...lines.map(indented)];
+    const rows = /^Index /.test(lines[0]) ? inMs(lines.map(spaced)) : [["", "Telegrams"], ...lines.filter((line) => !OF_VALUES.test(line)).map(indented)];
     return { title: title.replace(/:$/, ""), rows };
   });
 }
 
 const spaced = (line) => line.trim().split(/ {2,}/);
+
+const inMs = ([head, ...rows]) => [head.map((words) => TIMES[words] ?? words),
+  ...rows.map((row) => row.map((text, place) => (head[place] in TIMES ? (1000 * Number(text)).toFixed(3) : text)))];
 
 function indented(line) {
   const [, blanks, words, count] = line.match(/^( *)(.*?) +(\d+)$/) ?? [null, "", line, ""];

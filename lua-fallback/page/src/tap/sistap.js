@@ -2,6 +2,7 @@
 // sistap in Python for WebAssembly (Pyodide). Runs in a worker and in node.
 
 import { LARGEST } from "../dissect/dissector.js";
+import { indexed } from "./loglines.js";
 import { Tables } from "./rows.js";
 
 const CAPTURE = ".log.pcapng", PAGE = ".report.html", FIGURES = ".report.json";
@@ -103,8 +104,8 @@ export class Sistap {
     }
   }
 
-  // Makes a capture of a log: {capture, lines, places, said, unread}, see sistap/commands/web/opening.py. Null for what has to be
-  // imported.
+  // Makes a capture of a log: {capture, lines, said, unread}; `lines` are for IndexedLines. See
+  // sistap/commands/web/opening.py. Null for what has to be imported.
   log(task, name, bytes, pattern = "", isPasted = false) {
     const { FS } = this.python;
     FS.writeFile(`${WORK}/${name}`, bytes);
@@ -112,7 +113,8 @@ export class Sistap {
       return this.using("sistap.commands.web.opening", (opening) => {
         if (!pattern && opening.is_import(name)) return null;
         const log = JSON.parse(opening.open_log.callKwargs(name, CAPTURE, pattern, (part) => task.progress(part), { is_pasted: isPasted }));
-        return { ...log, capture: FS.readFile(`${WORK}/${CAPTURE}`) };
+        const [capture, text, places] = ["", opening.LINES, opening.PLACES].map((end) => FS.readFile(`${WORK}/${CAPTURE}${end}`));
+        return { ...log, capture, lines: indexed(text, new Uint32Array(places.buffer)) };
       });
     } finally {
       this.tidy();

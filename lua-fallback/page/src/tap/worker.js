@@ -42,7 +42,10 @@ serve({
       indexURL: NOWHERE, packageBaseUrl: NOWHERE, createPyodideModule,
     });
   },
-  log: (task, ...args) => sistap.log(task, ...args),
+  log(task, ...args) {
+    const log = sistap.log(task, ...args);
+    return log && new Moved(log, [log.capture, ...Object.values(log.lines)].map(({ buffer }) => buffer));
+  },
   // Runs a command of sistap on files: returns {code, said, written}, those files that it has written.
   async command(...args) {
     const result = await withWireshark("command", args);
