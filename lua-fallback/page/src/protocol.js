@@ -22,7 +22,7 @@ export function serve(handlers, memory, port = self) {
       port.postMessage({ id, result: value }, transfer);
     } catch (error) {
       const text = String(error?.message ?? error);
-      if (isFatal(error)) port.postMessage({ id, error: `${memory() > FULL ? TOO_MUCH : DAMAGED} (${text})`, isBroken: true });
+      if (isFatal(error)) port.postMessage({ id, error: `${OUT.test(text) || memory() > FULL ? TOO_MUCH : DAMAGED} (${text})`, isBroken: true });
       else port.postMessage({ id, error: text });
     }
   };
@@ -30,6 +30,7 @@ export function serve(handlers, memory, port = self) {
 }
 
 const FULL = 1.5e9; // bytes; a program of WebAssembly can have 2 GB
+const OUT = /\bOOM\b|^MemoryError/;
 const TOO_MUCH = "This needs more memory than a page has. Cut the capture into parts of 100,000 packets, as " +
   "editcap -c 100000 does, and open one of them; or open it in Wireshark itself";
 const DAMAGED = "This file is damaged, and Wireshark in this page cannot go on with it: open it in Wireshark itself";
