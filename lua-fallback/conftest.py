@@ -28,6 +28,13 @@ from parity import SCRIPT  # noqa: E402
 from sistap.dissected.wireshark.tshark import Tshark  # noqa: E402
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests of the page."""
+    for item in items:
+        if PAGE in item.path.parents:
+            item.add_marker("page")
+
+
 @pytest.fixture(scope="session")
 def plugin() -> Iterator[Tshark]:
     """Run tshark with the C plugin that was built."""

@@ -40,7 +40,7 @@ def judged(browser: Chromium) -> None:
 
 
 def test_most_of_a_small_screen_is_packets(chromium: Chromium, tmp_path: Path) -> None:
-    """A head, a line that says what happened, a line of filters; the rest of the answer is a button away."""
+    """A head, a line that says what happened, a line of filters; the rest is the packets and their picture."""
     log = tmp_path / "docklight.txt"
     log.write_text(docklight(), newline="")
     chromium.size(1366, 768)
@@ -48,7 +48,8 @@ def test_most_of_a_small_screen_is_packets(chromium: Chromium, tmp_path: Path) -
     judged(chromium)
     head, answer, filters = heights(chromium, "header", ".folded", ".filter-bar")
     assert (head, answer < 32, filters < 40) == (40, True, True)
-    assert sum(heights(chromium, ".packet-list", ".below")) >= 600
+    chromium.until("!document.querySelector('.lanes-canvas').hidden")
+    assert sum(heights(chromium, ".lanes", ".packet-list", ".below")) >= 580
     chromium.click("More")
     assert heights(chromium, ".folded")[0] > answer
     assert chromium.run("document.querySelector('.folded button.small').ariaExpanded") == "true"
@@ -161,6 +162,7 @@ def select(browser: Chromium, row: int) -> None:
     """Click on a row; 1 is the first one."""
     browser.run(f"{ROWS}[{row - 1}].click()")
     browser.until(f"{ROWS}[{row - 1}].matches('.selected')")
+    browser.until(f"document.querySelector('.tree .label').textContent.startsWith('Frame {row}:')")
 
 
 def focus_item(browser: Chromium, words: str) -> None:
