@@ -7,6 +7,7 @@ import json
 import time
 from array import array
 from pathlib import Path
+from typing import Any
 
 import pytest
 from portable import posix
@@ -21,11 +22,11 @@ from sistap.tap.terminal.exits import DONE, FAILED, Refusal
 ASKS, ANSWERS = "02 6C 00 00 00 92 00 00", "02 56 02 02 10 92 00 00 00 02"
 
 
-def opened(folder: Path, text: str, name: str = "x.log", *, is_pasted: bool = False) -> dict[str, list[object]]:
+def opened(folder: Path, text: str, name: str = "x.log", *, is_pasted: bool = False) -> dict[str, list[Any]]:
     (folder / name).write_text(text)
     done: list[float] = []
     files = str(folder / name), str(folder / "x.pcapng")
-    found: dict[str, list[object]] = json.loads(open_log(*files, "", done.append, is_pasted=is_pasted))
+    found: dict[str, list[Any]] = json.loads(open_log(*files, "", done.append, is_pasted=is_pasted))
     assert done[-1] <= 1
     assert is_pasted or done == sorted(done)  # a few bytes are read twice
     numbers = array("I", Path(f"{files[1]}{PLACES}").read_bytes())

@@ -4,7 +4,7 @@
 import { button, element, plural } from "./dom.js";
 
 const SEVERITIES = ["Error", "Warning", "Note", "Chat", "Comment"];
-const SHOWN = 40; // packets of a group
+const SHOWN = 40; // packets of a group that are shown at once
 
 // Items whose texts differ in numbers only are the same.
 const kindOf = ([severity, group, , text]) => [severity, group, text.replace(/(0x[0-9a-f]+|\d+([.]\d+)?)/gi, "#")].join("\n");
@@ -41,7 +41,20 @@ function draw(groups, goTo) {
   return groups.map(({ severity, group, texts, packets }) => element("details", { className: `finding severity-${severity.toLowerCase()}` },
     element("summary", {}, element("b", {}, severity), " ", element("small", {}, group), " ", [...texts][0],
       texts.size > 1 ? " (and alike)" : "", " ", element("span", { className: "count" }, plural(packets.length, "time"))),
-    element("ul", {}, ...packets.slice(0, SHOWN).map(({ number, text }) => element("li", {},
-      button(`Packet ${number}`, () => goTo(number), { className: "link" }), " ", text))),
-    packets.length > SHOWN && element("p", {}, `and ${packets.length - SHOWN} more`)));
+    ...listed(packets, goTo)));
+}
+
+// The first packets of a group, and a button that shows more of them.
+function listed(packets, goTo) {
+  const list = element("ul", {});
+  const more = button("", () => show());
+  const show = () => {
+    const next = packets.slice(list.childElementCount, list.childElementCount + SHOWN);
+    list.append(...next.map(({ number, text }) => element("li", {}, button(`Packet ${number}`, () => goTo(number), { className: "link" }), " ", text)));
+    const left = packets.length - list.childElementCount;
+    more.hidden = left === 0;
+    more.textContent = `Show ${Math.min(left, SHOWN)} of ${left.toLocaleString("en")} more`;
+  };
+  show();
+  return [list, more];
 }
