@@ -162,7 +162,8 @@ def select(browser: Chromium, row: int) -> None:
     """Click on a row; 1 is the first one."""
     browser.run(f"{ROWS}[{row - 1}].click()")
     browser.until(f"{ROWS}[{row - 1}].matches('.selected')")
-    browser.until(f"document.querySelector('.tree .label').textContent.startsWith('Frame {row}:')")
+    number = browser.run(f"{ROWS}[{row - 1}].children[0].textContent")
+    browser.until(f"document.querySelector('.tree .label').textContent.startsWith('Frame {number}:')")
 
 
 def focus_item(browser: Chromium, words: str) -> None:

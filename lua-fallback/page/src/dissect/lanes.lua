@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: GPL-2.0-or-later
 -- What the lanes of the page draw of each telegram: when taps are drawn, it is in the file /lanes. Loaded after sis.lua,
 -- because it reads its fields. The rules that colour the packet list say what a telegram is.
-local RULES = "/home/web_user/.config/wireshark/colorfilters"
+local RULES = "/home/web_user/.config/wireshark/colorfilters" -- PROFILE of dissector.js
 local UNANSWERED = "sis.command.unanswered"
-local RECORD = "<dfI4I2I2I2" -- as in lanes.js: time and duration in s, packet, talker, listener, a bit for each rule
+local RECORD = "<dfI4I2I2I2" -- as in records.js: time and duration in s, packet, talker, listener, a bit for each rule
 local NOBODY = 0xffff
-local BITS = 11 -- of a character
+local BITS = 11 -- of a character of 8E1: a bar is a picture, no measure
 
 local lanes = Proto("page_lanes", "Lanes of the page")
 local talker, listener = Field.new("sis.talker"), Field.new("sis.listener")

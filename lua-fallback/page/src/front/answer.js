@@ -2,6 +2,7 @@
 // What happened, in short, as `sistap report` says it: a bar above the packets, and a view with all that it found.
 
 import { Stopped } from "../protocol.js";
+import { ofParameter } from "./applying.js";
 import { button, element, plural, table } from "./dom.js";
 import { judge } from "./judging.js";
 
@@ -138,7 +139,7 @@ export class Answer {
   }
 
   toParameter({ ident, station }) {
-    const filter = `sis.parameter == "${ident}"${/^\d+$/.test(station) ? ` && sis.station == ${station}` : ""}`;
+    const filter = ofParameter(ident, station);
     return button(ident, () => this.applyFilter(filter), { className: "link", title: filter });
   }
 }

@@ -4,7 +4,8 @@
 
 import { LARGEST, USUAL, forFigures } from "../dissect/dissector.js";
 import { startWireshark } from "./engine.js";
-import { allRows, sorted } from "./sorting.js";
+import { everyRow } from "./everyrow.js";
+import { sorted } from "./sorting.js";
 
 const BLOCK = 64; // rows that are fetched at once
 
@@ -185,9 +186,11 @@ export class Capture extends EventTarget {
 
   // Sorts the rows that the filter leaves; null: as they were captured. It needs all of them.
   async sortBy(sort) {
-    const { blocks, filter, matched } = this;
+    const { blocks, filter } = this;
     const order = sort && await this.long("Sorting", async (options) => {
-      const rows = sorted(await allRows(await this.viewer, filter, matched, options), sort.column, sort.isDown);
+      const all = [];
+      for await (const row of everyRow(await this.viewer, filter, options)) all.push(row);
+      const rows = sorted(all, sort.column, sort.isDown);
       return { rows, places: new Map(rows.map(({ number }, place) => [number, place])) };
     });
     if (blocks !== this.blocks) return; // another filter, or another capture

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Who changed which parameter: what `sistap parameters --changes` finds in the capture that is open, the newest first.
 
+import { ofParameter } from "./applying.js";
 import { fromCsv } from "./csv.js";
 import { button, element, plural, save } from "./dom.js";
 import { fileName } from "./files.js";
@@ -79,7 +80,7 @@ function draw(changes, acts, saving) {
 }
 
 function cell(text, column, { parameter, station }, { goTo, applyFilter }) {
-  const filter = `sis.parameter == "${parameter}"${/^\d+$/.test(station) ? ` && sis.station == ${station}` : ""}`;
+  const filter = ofParameter(parameter, station);
   if (column === PARAMETER) return button(text, () => applyFilter(filter), { className: "link", title: filter });
   return column === PACKET ? button(text, () => goTo(Number(text)), { className: "link", "aria-label": `Packet ${text}` }) : text;
 }

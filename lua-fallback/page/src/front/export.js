@@ -4,10 +4,10 @@
 import { isPcapng, only } from "../dissect/pcapng.js";
 import { asCsv } from "./csv.js";
 import { button, element, plural, save } from "./dom.js";
+import { everyRow } from "./everyrow.js";
 import { textOf } from "./items.js";
 import { callTap } from "./tap.js";
 
-const TOGETHER = 200; // rows that are fetched at once
 const WHOLE = "sis.sequence.length || synax.pieces.length"; // packets that end long data
 
 export function exportDialog(capture, columns, { showing }) {
@@ -36,22 +36,16 @@ export function exportDialog(capture, columns, { showing }) {
 const item = (text, onclick) => element("li", {}, button(text, onclick));
 
 // Calls `take` with all rows that the filter leaves.
-async function everyRow(capture, words, take, filter = capture.filter) {
+async function takeEach(capture, words, take, filter = capture.filter) {
   const viewer = await capture.viewer;
-  await capture.long(words, async ({ signal, progress }) => {
-    for (let skip = 0, matched = 1; skip < matched; skip += TOGETHER) {
-      if (signal.aborted) throw new Error("The export was cancelled");
-      const found = await viewer.call("rows", [filter, skip, TOGETHER]);
-      matched = found.matched;
-      for (const row of found.rows) await take(row, viewer);
-      progress(Math.min((skip + TOGETHER) / Math.max(matched, 1), 1));
-    }
+  await capture.long(words, async (options) => {
+    for await (const row of everyRow(viewer, filter, options)) await take(row, viewer);
   });
 }
 
 async function saveRows(capture, columns, name) {
   const rows = [columns.map(({ title }) => title)];
-  await everyRow(capture, "Exporting rows", ({ cells }) => rows.push(cells));
+  await takeEach(capture, "Exporting rows", ({ cells }) => rows.push(cells));
   save(`${name}.csv`, asCsv(rows), "text/csv");
 }
 
@@ -59,13 +53,13 @@ const lines = (tree, depth) => tree.map((one) => `${" ".repeat(4 * depth)}${text
 
 async function saveTrees(capture, name) {
   const texts = [];
-  await everyRow(capture, "Exporting fields", async ({ number }, viewer) => texts.push(lines((await viewer.call("packet", [number])).tree, 0)));
+  await takeEach(capture, "Exporting fields", async ({ number }, viewer) => texts.push(lines((await viewer.call("packet", [number])).tree, 0)));
   save(`${name}.txt`, new Blob([texts.join("\n")], { type: "text/plain" }));
 }
 
 async function savePackets(capture, name) {
   const numbers = new Set();
-  await everyRow(capture, "Exporting packets", ({ number }) => numbers.add(number));
+  await takeEach(capture, "Exporting packets", ({ number }) => numbers.add(number));
   save(`${name}-shown.pcapng`, only(capture.bytes, numbers));
 }
 
@@ -81,7 +75,7 @@ async function saveLog(capture, name) {
 
 async function saveWholes(capture, name) {
   let count = 0;
-  await everyRow(capture, "Looking for long data", async ({ number }, viewer) => {
+  await takeEach(capture, "Looking for long data", async ({ number }, viewer) => {
     const { sources } = await viewer.call("packet", [number]);
     for (const { name: source, bytes } of sources.slice(1)) {
       count++;

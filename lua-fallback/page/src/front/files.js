@@ -2,6 +2,7 @@
 // Opens what a person has dropped, chosen or pasted: Wireshark reads captures, sistap reads logs and recordings of other
 // tools and makes captures of them.
 
+import { asHex } from "./items.js";
 import { noteNothing, refuseNothing } from "./nothing.js";
 import { IndexedLines } from "../tap/loglines.js";
 import { callTap } from "./tap.js";
@@ -18,7 +19,7 @@ const ASKS_PATTERN = /has no bytes|no telegram|regular expression|no group/;
 const ASKS_OPTION = /--(baud|format|samplerate|device)\b/;
 const WRITTEN = / written to \.imported\.pcapng.*/;
 
-const head = (bytes) => Array.from(bytes.subarray(0, 4), (byte) => byte.toString(16).padStart(2, "0")).join("");
+const head = (bytes) => asHex(bytes.subarray(0, 4), "");
 
 const isCapture = (bytes) => CAPTURES.includes(head(bytes)) || head(bytes).startsWith(PACKED);
 

@@ -2,7 +2,7 @@
 // All telegrams of two stations in turn, with their bytes.
 
 import { button, element } from "./dom.js";
-import { firstOf } from "./items.js";
+import { asHex, firstOf } from "./items.js";
 
 const TOGETHER = 100; // telegrams that are fetched at once
 const PROTOCOL = "sis";
@@ -66,8 +66,7 @@ export function followView(capture, { goTo, applyFilter, showing }) {
 async function entry(viewer, { number, cells }, goTo) {
   const { tree, sources } = await viewer.call("packet", [number]);
   const telegrams = tree.filter(({ filter }) => filter === PROTOCOL);
-  const bytes = telegrams.map(({ source, start, length }) => Array.from(sources[source].bytes.subarray(start, start + length),
-    (byte) => byte.toString(16).padStart(2, "0")).join(" ")).join("\n");
+  const bytes = telegrams.map(({ source, start, length }) => asHex(sources[source].bytes.subarray(start, start + length))).join("\n");
   const words = cells.find((cell) => KIND.test(cell)) ?? "";
   return element("div", { role: "listitem", className: / Reaction /.test(words) ? "reaction" : "command" },
     button(`${number}`, () => goTo(number), { className: "link", "aria-label": `Packet ${number}` }), element("span", {}, words), element("code", {}, bytes));

@@ -4,17 +4,20 @@
 
 import { element } from "./dom.js";
 import { openMenu, placeOf } from "./menu.js";
+import { recall, remember } from "./storage.js";
 
 const KEY = "sis.columns"; // the titles of those that are not shown
 const SORTS = ["none", "ascending", "descending"], ARROWS = { ascending: "▲", descending: "▼", none: "" };
 const HELP = "Click: sort. Right click, or the menu key: choose columns.";
+
+const titlesOf = (kept) => (Array.isArray(kept) ? kept : []);
 
 export class Heads {
   // `acts` are sort(column, order), and change() when other columns are shown. A column is that of the profile.
   constructor(columns, acts) {
     this.columns = columns;
     this.acts = acts;
-    this.hidden = new Set(remembered());
+    this.hidden = new Set(titlesOf(recall(KEY)));
     this.sorted = { column: null, order: "none" };
     this.root = element("div", { className: "row head", role: "row", "aria-rowindex": 1, onclick: (event) => this.turn(this.columnAt(event)),
       onkeydown: (event) => this.press(event), oncontextmenu: (event) => this.offer(event) });
@@ -75,25 +78,8 @@ export class Heads {
 
   tick(title) {
     if (!this.hidden.delete(title) && this.shown.length > 1) this.hidden.add(title);
-    remember([...this.hidden]);
+    remember(KEY, [...this.hidden]);
     this.redraw();
     this.acts.change();
-  }
-}
-
-function remembered() {
-  try {
-    const titles = JSON.parse(globalThis.localStorage.getItem(KEY) ?? "[]");
-    return Array.isArray(titles) ? titles : [];
-  } catch {
-    return []; // this browser keeps nothing
-  }
-}
-
-function remember(titles) {
-  try {
-    globalThis.localStorage.setItem(KEY, JSON.stringify(titles));
-  } catch {
-    // until the page is closed
   }
 }

@@ -18,3 +18,11 @@ export const firstOf = (tree, name) => allOf(tree, name)[0];
 
 // What Wireshark shows of an item: what it has found out itself, and not read in the bytes, is in brackets.
 export const textOf = ({ label, isGenerated }) => (isGenerated && !/^\[.*\]$/s.test(label) ? `[${label}]` : label);
+
+// Protocols of ours that are a telegram, or a packet of it.
+export const PROTOCOLS = ["sis", "sisascii", "3964r", "arcnet7f", "synaxpk", "synaxpd", "synaxobj", "synaxpcp"];
+
+// The telegram in a packet's tree; undefined if it has none.
+export const layerOf = ({ tree }) => tree.find(({ filter }) => PROTOCOLS.includes(filter));
+
+export const asHex = (bytes, between = " ") => Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join(between);

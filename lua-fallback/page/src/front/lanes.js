@@ -6,17 +6,19 @@ import { Stopped } from "../protocol.js";
 import { button, element, plural } from "./dom.js";
 import { LABELS, LanePicture } from "./lanepicture.js";
 import { Records } from "./records.js";
+import { recall, remember } from "./storage.js";
 import { Zoom, follow, pressed } from "./zoom.js";
 
 const AT_ONCE = 20_000; // packets of a capture that is drawn without being asked
 const IDLE_MS = 3000; // after so long it begins even if the page is not idle
 const NEAR = 8; // pixels between a pointer and what it means
-const FOLDED = "sis-lanes-folded"; // in the browser's storage
+const FOLDED = "sis.lanes.folded"; // in the browser's storage
 const HELP = "Wheel: zoom. Drag, or Shift and wheel: move. Click: go to the packet. Keys: arrows, + and -, 0 for all, Enter for the packet in the middle.";
 
 export class Lanes {
-  // `list` is the packet list, whose visible part is marked.
-  constructor(capture, { goTo, showing }, list) {
+  // `list` is the packet list, whose visible part is marked; `rules` are those of the profile.
+  constructor(capture, { goTo, showing }, list, rules) {
+    this.rules = rules;
     this.capture = capture;
     this.goTo = goTo;
     this.showing = showing;
@@ -34,7 +36,7 @@ export class Lanes {
     this.tip = element("div", { className: "lanes-tip", hidden: true });
     this.scroller = element("div", { className: "lanes-scroller" }, this.canvas);
     this.root = element("div", { className: "lanes", hidden: true }, element("div", { className: "lanes-head" }, this.fold, this.said, this.key, this.tools), this.scroller, this.tip);
-    this.setFolded(kept(FOLDED) === "yes");
+    this.setFolded(recall(FOLDED) === true);
     this.watch();
   }
 
@@ -95,9 +97,9 @@ export class Lanes {
   async read(options) {
     const { bytes } = this.capture;
     const peer = await this.capture.counting(options);
-    const found = await peer.call("lanes", [], { progress: options.progress });
+    const noted = await peer.call("lanes", [], { progress: options.progress });
     if (bytes !== this.capture.bytes) return;
-    const records = (this.records = new Records(found));
+    const records = (this.records = new Records(this.rules, noted));
     this.zoom.setWhole(records.first, records.last);
     this.picture = new LanePicture(this.canvas, records, this.zoom);
     this.canvas.setAttribute("aria-label", `Lanes over time. ${HELP} ${summary(records).join(" ")}`);
@@ -191,7 +193,7 @@ export class Lanes {
 
   toggle() {
     this.setFolded(!this.isFolded);
-    keep(FOLDED, this.isFolded ? "yes" : "no");
+    remember(FOLDED, this.isFolded);
     this.appear();
   }
 
@@ -210,19 +212,3 @@ const legend = () => [["command", "command"], ["reaction", "reaction"], ["fault"
 // Texts for who does not see the picture.
 const summary = ({ lanes }) => lanes.map(({ name, places, faults, silences }) =>
   `${name}: ${plural(places.length, "packet")}, ${plural(faults, "fault")}, ${silences.length} without a reaction.`);
-
-function kept(name) {
-  try {
-    return localStorage.getItem(name);
-  } catch {
-    return null; // the browser keeps nothing for this page
-  }
-}
-
-function keep(name, text) {
-  try {
-    localStorage.setItem(name, text);
-  } catch {
-    // then it is so until the page is closed
-  }
-}

@@ -3,7 +3,7 @@
 
 import { element } from "./dom.js";
 import { Heads } from "./heads.js";
-import { isFault } from "./rule.js";
+import { faultsBy } from "./rule.js";
 
 const ROW = 22; // pixels, as in page.css
 const MORE = 8; // rows above and below those that are seen
@@ -12,9 +12,10 @@ const WIDEST = 26, WIDEST_TEXT = 54; // characters, but for the last column; of 
 
 export class PacketList {
   // `onsort` gets what Capture.sortBy takes.
-  constructor(capture, columns, { onsort }) {
+  constructor(capture, { columns, rules }, { onsort }) {
     this.capture = capture;
     this.columns = columns;
+    this.isFault = faultsBy(rules);
     this.heads = new Heads(columns, { change: () => this.renew(this.root.scrollTop),
       sort: (column, order) => onsort(order === "none" ? null : { column: columns.indexOf(column), isDown: order === "descending" }) });
     this.body = element("div", { className: "rows", role: "rowgroup" });
@@ -101,7 +102,7 @@ export class PacketList {
   write(row, { number, cells, paper, ink }) {
     row.classList.remove("waiting");
     this.numbers.set(row, number);
-    row.classList.toggle("fault", isFault(paper));
+    row.classList.toggle("fault", this.isFault(paper));
     row.style.setProperty("--rule", paper || "transparent");
     row.style.setProperty("--rule-ink", ink);
     this.shown.forEach((column, place) => {

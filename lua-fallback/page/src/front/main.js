@@ -102,8 +102,8 @@ const tellLimits = () => askLimits(capture, reopen);
 
 function packetsView(profile, answer) {
   const filter = new FilterBar(capture, profile.buttons);
-  const list = new PacketList(capture, profile.columns, { onsort: (sort) => showing(() => capture.sortBy(sort)) });
-  const lanes = new Lanes(capture, { goTo, showing }, list);
+  const list = new PacketList(capture, profile, { onsort: (sort) => showing(() => capture.sortBy(sort)) });
+  const lanes = new Lanes(capture, { goTo, showing }, list, profile.rules);
   const tree = new Tree(capture, { onfilter: (text) => filter.apply(text) });
   const bytes = new Bytes(capture);
   menusOf(capture, { list, tree, bytes }, (text) => filter.apply(text));

@@ -2,19 +2,15 @@
 // What can be copied and filtered in the list, the tree and the bytes, by Ctrl+C and by a menu.
 
 import { asFilters } from "./applying.js";
-import { allOf, textOf } from "./items.js";
+import { allOf, asHex, layerOf, textOf } from "./items.js";
 import { copy, copying, openMenu, placeOf } from "./menu.js";
-
-const ENVELOPE = /^(frame|exported_pdu|sertap)\b/;
-
-export const asHex = (bytes) => Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join(" ");
 
 // The bytes of an item.
 const bytesOf = ({ sources }, { source, start, length }) => sources[source]?.bytes.subarray(start, start + length) ?? [];
 
-// The bytes of a packet's telegram: those of its first protocol that is no envelope.
+// The bytes of a packet's telegram, or of its last source, such as other characters.
 function telegramOf(packet) {
-  const layer = packet.tree.find(({ filter, length }) => length && !ENVELOPE.test(filter));
+  const layer = layerOf(packet);
   return layer ? bytesOf(packet, layer) : packet.sources.at(-1)?.bytes ?? [];
 }
 

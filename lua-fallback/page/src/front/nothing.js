@@ -3,8 +3,9 @@
 
 import { Stopped } from "../protocol.js";
 import { plural } from "./dom.js";
+import { PROTOCOLS } from "./items.js";
 
-const OURS = "sertap || sis || sisascii || 3964r || rk512i || arcnet7f || synaxpk || synaxpd || synaxobj || synaxpcp";
+const OURS = ["sertap", "rk512i", ...PROTOCOLS].join(" || ");
 const OF_FIELDS = 3; // the columns from here on show fields of these protocols
 const FEW = 64; // packets that are looked at first
 const BLANKS = [9, 10, 13, 32];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What Wireshark's profile says that the page draws by itself: titles of the columns, filter buttons, graphs. Wireshark
-// reads its colours.
+// What Wireshark's profile says that the page draws by itself: titles of the columns, filter buttons, graphs, and names of
+// the rules that colour the packet list. Wireshark applies these rules.
 
 import { partText } from "./parts.js";
 
@@ -12,9 +12,9 @@ const unescaped = (text) => text.replace(/\\x([0-9a-f]{2})/gi, (_, code) => Stri
 const DIGITS = { SEC: 0, DSEC: 1, CSEC: 2, MSEC: 3, USEC: 6, NSEC: 9 };
 
 export async function readProfile() {
-  const names = ["preferences", "recent", "dfilter_buttons", "io_graphs"];
-  const [preferences, recent, buttons, graphs] = await Promise.all(names.map(partText));
-  return { columns: columns(preferences, recent), buttons: buttonsOf(buttons), graphs: graphsOf(graphs) };
+  const names = ["preferences", "recent", "dfilter_buttons", "io_graphs", "colorfilters"];
+  const [preferences, recent, buttons, graphs, rules] = await Promise.all(names.map(partText));
+  return { columns: columns(preferences, recent), buttons: buttonsOf(buttons), graphs: graphsOf(graphs), rules: rulesOf(rules) };
 }
 
 // Columns: {title, format, field, isRight, digits}; `field` is that of Wireshark, of a column that shows one; digits are
@@ -37,3 +37,7 @@ const buttonsOf = (text) => rows(text).filter(([enabled]) => enabled === "TRUE")
 // Graphs that draw a field: {name, filter, colour, field}.
 const graphsOf = (text) => rows(text).filter((row) => row[6])
   .map(([, name, filter, colour, , , field]) => ({ name, filter, colour, field }));
+
+// Rules, in their order: {name, paper}; `paper` is the colour of a row as wiregasm tells it, with 8 of its 16 bits.
+const rulesOf = (text) => Array.from(text.matchAll(/^@([^@]*)@.*?@\[(\d+),(\d+),(\d+)\]/gm), ([, name, ...colour]) =>
+  ({ name, paper: `#${colour.map((part) => (part >> 8).toString(16).padStart(2, "0")).join("")}` }));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // What lanes.lua has noted of all packets, by time, and the lane of each station.
 
+import { kindOf } from "./rule.js";
+
 const SIZE = 22; // bytes of a record: RECORD of lanes.lua
 const NOBODY = 0xffff;
 
-// What the rules that colour the packet list say of a telegram. All others say that something is wrong with it.
-const KINDS = { "SIS: command": "command", "SIS: reaction": "reaction", "Serial tap: other characters": "other", "Serial tap: event": "event" };
 const AGAIN = "SIS: unanswered or repeated";
 export const OTHER = 1, REACTION = 2, COMMAND = 3, FAULT = 4; // a column of the picture shows the greatest
 
@@ -15,14 +15,15 @@ export class Records {
   /** @type {Uint32Array} */ listeners;
   /** @type {Uint32Array} */ bits; // what the rules say
 
-  constructor({ rules, records }) {
-    this.rules = rules.map((name) => ({ words: name.replace(/^.*: /, ""), kind: KINDS[name] ?? "fault", isAgain: name === AGAIN }));
+  // `rules` are those of the profile, `noted` is what lanes.lua has written.
+  constructor(rules, noted) {
+    this.rules = rules.map((rule) => ({ words: rule.name.replace(/^.*: /, ""), kind: kindOf(rule), isAgain: rule.name === AGAIN }));
     this.unanswered = 1 << rules.length;
     const masks = this.rules.map(({ kind }, place) => [kind, 1 << place]);
     const mask = (wanted) => masks.filter(([kind]) => kind === wanted).reduce((sum, [, bit]) => sum | bit, 0);
     this.masks = { command: mask("command"), reaction: mask("reaction"), event: mask("event"), fault: mask("fault"),
-      again: 1 << rules.indexOf(AGAIN) };
-    this.read(records);
+      again: 1 << rules.findIndex(({ name }) => name === AGAIN) };
+    this.read(noted);
     this.lanes = this.lanesOf();
     this.all = Uint32Array.from({ length: this.numbers.length }, (_, place) => place);
     this.faults = this.levels.reduce((sum, level) => sum + Number(level === FAULT), 0);
@@ -36,8 +37,10 @@ export class Records {
     const order = Uint32Array.from({ length }, (_, place) => place);
     const time = (place) => data.getFloat64(place * SIZE, true);
     if (order.some((place) => place > 0 && time(place) < time(place - 1))) order.sort((one, other) => time(one) - time(other));
-    const many = () => new Uint32Array(length);
-    Object.assign(this, { numbers: many(), talkers: many(), listeners: many(), bits: many() });
+    this.numbers = new Uint32Array(length);
+    this.talkers = new Uint32Array(length);
+    this.listeners = new Uint32Array(length);
+    this.bits = new Uint32Array(length);
     this.lasts = new Float32Array(length);
     this.levels = new Uint8Array(length);
     this.longest = 0;

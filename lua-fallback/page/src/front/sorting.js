@@ -1,23 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Rows in the order of a column: numbers by what they are worth, the rest as words. What is empty is last.
 
-import { Stopped } from "../protocol.js";
-
-const TOGETHER = 500; // rows that are fetched at once
 const words = new Intl.Collator("en", { numeric: true });
-
-// Fetches all rows that a filter leaves.
-export async function allRows(viewer, filter, matched, { signal, progress }) {
-  const rows = [];
-  while (rows.length < matched) {
-    const found = await viewer.call("rows", [filter, rows.length, TOGETHER]);
-    if (signal.aborted) throw new Stopped();
-    if (!found.rows.length) break;
-    rows.push(...found.rows);
-    progress(rows.length / matched);
-  }
-  return rows;
-}
 
 export function sorted(rows, column, isDown) {
   const keyed = rows.map((row) => ({ row, text: row.cells[column], value: Number(row.cells[column] || NaN) }));

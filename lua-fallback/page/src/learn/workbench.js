@@ -2,14 +2,14 @@
 // A telegram to change byte by byte, bit by bit, while Wireshark decodes it.
 
 import { button, element } from "../front/dom.js";
+import { layerOf } from "../front/items.js";
 import { Tree } from "../front/tree.js";
 import { Bench, telegramCapture } from "./bench.js";
+import { hex } from "./picture.js";
 
 const EXAMPLE = { protocol: "sis", bytes: [0x02, 0xc3, 0x02, 0x02, 0x10, 0x12, 0x10, 0x03, 0x00, 0x02] };
-const PROTOCOLS = ["sis", "sisascii", "3964r", "arcnet7f", "synaxpk", "synaxpd", "synaxobj", "synaxpcp"]; // that a packet may be
 const HEADER = 8, LENGTH = 2, REPEAT = 3; // of SIS
 const SUM = /^(?:Checksum|Block check character): .*should be 0x([0-9a-f]{2})/;
-const hex = (byte) => byte.toString(16).toUpperCase().padStart(2, "0");
 
 // Reads bytes in hexadecimal; null where they are none.
 export function readBytes(text) {
@@ -17,8 +17,6 @@ export function readBytes(text) {
   const digits = words.split(" ").map((word) => (word.length === 1 ? `0${word}` : word)).join("");
   return /^([0-9a-f]{2})*$/i.test(digits) ? (digits.match(/../g) ?? []).map((pair) => parseInt(pair, 16)) : null;
 }
-
-const layerOf = ({ tree }) => tree.find(({ filter }) => PROTOCOLS.includes(filter));
 
 // The telegram of a packet: {protocol, bytes}; undefined if it has none.
 export function telegramOf(packet) {
