@@ -12,7 +12,7 @@ They claim these things, in forms that a person reads, too:
     1. The button *Late*.           under "Look": steps, of which `clicks` tells filters and packets
 
 Further columns of a table are for the reader, and so are tables with other headings. There are no other indented blocks
-but what the reader types. If that is `python3 -m sistap bus ... -w FILE`, the lesson has a scenario in place of a capture.
+but what the reader types. If that is `python3 -m sistap bus ... -w FILE`, the lesson has a scenario, and no capture.
 
 In a step, these words change the display filter: "button *NAME*", "filter `EXPRESSION`", "Clear the filter". What is
 named as "packet 4" or "packets 1 to 4" is clicked, so the filter must show it. A dialog is opened without a filter.
