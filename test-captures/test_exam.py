@@ -35,7 +35,7 @@ def test_a_value_by_hand() -> None:
     """1234.5 rpm with four decimal places: 12345000, 0x00BC5EA8."""
 
     class Drawn(random.Random):
-        def randrange(self, *_: object) -> int:  # type: ignore[override]
+        def randrange(self, *_: object) -> int:
             return 12345
 
     words = draw(Drawn(1))

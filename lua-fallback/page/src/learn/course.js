@@ -4,6 +4,7 @@
 import { askForget } from "../front/dialogs.js";
 import { button, element, plural, save, table } from "../front/dom.js";
 import { visible } from "../front/files.js";
+import { printCertificate, undone } from "./certificate.js";
 import { ours } from "./ours.js";
 import { readResults } from "./progress.js";
 
@@ -25,7 +26,7 @@ export function courseList({ lessons, papers }, progress, showing) {
     element("ol", { className: "lessons" }, ...lessons.slice(0, WEEK).map((lesson) => item(lesson, progress))),
     element("h2", {}, "Other roads"),
     element("ol", { className: "lessons", start: WEEK + 1 }, ...lessons.slice(WEEK).map((lesson) => item(lesson, progress))),
-    element("h2", {}, "Results"), ...ofLearner(progress, renew), ...ofTeacher(lessons, showing));
+    element("h2", {}, "Results"), ...ofLearner(lessons.slice(0, WEEK), progress, renew), ...ofTeacher(lessons, showing));
   return root;
 }
 
@@ -38,10 +39,11 @@ function item(lesson, progress) {
     element("small", {}, `${right} of ${count}, ${minutes} minutes`), ours("p", aim));
 }
 
-function ofLearner(progress, renew) {
-  const name = element("input", { type: "text", id: "learner" });
+function ofLearner(week, progress, renew) {
+  const name = element("input", { type: "text", id: "learner" }), left = undone(week, progress, tasksOf);
   const fileName = () => `results ${name.value.replace(/[^\p{L}\p{M}\p{N}_ -]/gu, "_") || "of somebody"}.json`;
   return [element("p", { className: "form-line" }, element("label", { htmlFor: "learner" }, "Your name"), name,
+    button("Print a certificate", () => printCertificate(name.value, week, progress, tasksOf), left ? { disabled: true, title: `${plural(left, "task")} of the week left` } : {}),
     button("Save my results", () => save(fileName(), progress.results(name.value), "application/json")),
     button("Forget my progress", () => askForget(plural(progress.answers, "answer"), () => {
       progress.forget();
