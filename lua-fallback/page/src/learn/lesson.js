@@ -37,9 +37,13 @@ export class Lesson {
     this.root.replaceChildren(element("div", { className: "lesson" }, text,
       element("aside", { "aria-label": "Packets of the lesson" }, gate.root, this.packetsView)));
     explain(text);
-    linkText(text, { capture, showing, applyFilter: this.applyFilter });
+    this.link(text);
     await this.openPart(fileOf(lesson), lesson.capture);
     this.tell();
+  }
+
+  link(text) {
+    linkText(text, { capture: this.capture, showing: this.showing, applyFilter: this.applyFilter });
   }
 
   // The capture of the lesson, or that of its section Prove: there nothing is judged.
@@ -71,6 +75,7 @@ export class Lesson {
     return taskOf(task, {
       kept: progress.of(name).typed, matched, showing,
       typed: (field, text) => progress.type(name, field, text),
+      linked: (text) => this.link(text),
       told: (how) => {
         const counts = progress.answer(name, task.number, how);
         this.tell();
