@@ -38,8 +38,8 @@ export class Lesson {
       element("aside", { "aria-label": "Packets of the lesson" }, gate.root, this.packetsView)));
     explain(text);
     this.link(text);
-    await this.openPart(fileOf(lesson), lesson.capture);
     this.tell();
+    await this.openPart(fileOf(lesson), lesson.capture);
   }
 
   link(text) {

@@ -86,7 +86,7 @@ function chosen(blank, { id, text, note, said, matched }) {
 
 function written(blank, { id, text, note, said, matched }) {
   const { kind, unit } = blank;
-  const input = element("input", { type: "text", id, className: kind, value: text, spellcheck: false, autocapitalize: "off",
+  const input = element("input", { type: "text", id, className: `as-${kind}`, value: text, spellcheck: false, autocapitalize: "off",
     "aria-describedby": said.id, oninput: () => note(input.value) });
   const label = labelOf(blank, id);
   label.append(" ", element("small", {}, `(${FORMS[kind]}${unit ? ` of ${unit}` : ""})`));
