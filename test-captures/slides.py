@@ -29,7 +29,8 @@ LONGEST = 110  # words on a slide
 STYLE = """
 html { scroll-snap-type: y mandatory; font: 2.6vmin/1.4 "Liberation Sans", Arial, sans-serif; }
 body { margin: 0; }
-section { min-height: 100vh; box-sizing: border-box; padding: 5vmin 8vmin; scroll-snap-align: start; break-after: page; }
+section { min-height: 100vh; box-sizing: border-box; padding: 5vmin 8vmin; }
+section { scroll-snap-align: start; break-after: page; }
 h1 { font-size: 6vmin; } h2 { color: #0a5c8a; } pre, code { font-family: "Liberation Mono", monospace; }
 pre { background: #eef2f5; padding: 1vmin 2vmin; font-size: 3vmin; }
 table { border-collapse: collapse; } td, th { border-bottom: 1px solid #aaa; padding: .3em .8em; text-align: left; }

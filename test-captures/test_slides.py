@@ -19,7 +19,7 @@ def test_slides_of_a_lesson(tmp_path: Path) -> None:
     subprocess.run([sys.executable, str(SLIDES), str(out), "1"], check=True)
     text, lesson = out.read_text(), lessons()[0]
     shown = [task for section in lesson.sections for task in section.tasks if section.title not in ("Remember", "Look")]
-    assert [number for number in re.findall(r"<h3>(\d+)\.", text)] == [str(task.number) for task in shown]
+    assert re.findall(r"<h3>(\d+)\.", text) == [str(task.number) for task in shown]
     assert text.count("<section>") == len(list(slides(lesson)))
     assert f"of {text.count('<section>')}</footer>" in text
     told = [blank.remarks[0].say for task in shown for blank in task.blanks]
