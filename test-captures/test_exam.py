@@ -12,6 +12,7 @@ import pytest
 from sharkd import Sharkd
 
 from exam import draw, write
+from lesson import Given
 from sistap.dissected.wireshark.tshark import Tshark
 from test_course import Program, wrong
 
@@ -24,11 +25,11 @@ def test_solutions_are_true(seed: int, tmp_path: Path, tshark: Tshark, sharkd: S
     lesson = write(tmp_path, draw(random.Random(seed)))
     for task in lesson.tasks:
         program = Program(lesson.path, lesson.path.with_suffix(".pcapng"), task.claims, tshark, sharkd)
-        assert [(claim, said) for claim in task.claims if (said := wrong(program, claim, tmp_path))] == []
+        assert [(claim, said) for claim in task.claims if (said := wrong(program, claim))] == []
     (asked,) = (blank for task in lesson.tasks for blank in task.blanks if blank.kind == "telegram")
-    (built,) = asked.accepted
-    program = Program(lesson.path, tmp_path / "exam.pcapng", [], tshark, sharkd)
-    assert program.given([bytes.fromhex(built)], "sis.checksum.status", tmp_path) == "1"
+    built = [bytes.fromhex(one) for one in asked.accepted]
+    program = Program(lesson.path, lesson.path, [Given(1, built, "sis.checksum.status", "1")], tshark, sharkd)
+    assert program.given(tmp_path) == {tuple(built): {"sis.checksum.status": "1"}}
 
 
 def test_a_value_by_hand() -> None:
