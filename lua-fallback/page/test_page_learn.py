@@ -92,7 +92,7 @@ def test_answers_are_read_kindly(kind: str, answers: Callable[..., list[Any]]) -
             ("0.5", ".5", True),
             ("4", "bit 4", True),
             ("4", "not 4", None),
-            ("1350", "1350 1/min.", True),
+            ("1350 rpm", "1350 1/min.", True),
             ("4", "3 bit 4", None),
         ],
         "packets": [

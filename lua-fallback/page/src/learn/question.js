@@ -68,8 +68,8 @@ function chosen({ prompt, choices }, id, kept, note, said) {
     root: element("fieldset", { className: "ask" }, ours("legend", prompt), ...labels, said) };
 }
 
-function written({ prompt, kind, accepted }, id, kept, note, said) {
-  const unit = kind === "number" ? accepted[0].split(" ").slice(1).join(" ") : "";
+function written({ prompt, kind, unit: asked, accepted }, id, kept, note, said) {
+  const unit = asked || kind !== "number" ? asked : accepted[0].split(" ").slice(1).join(" ");
   const input = element("input", { type: "text", id, className: kind, value: kept, spellcheck: false, autocapitalize: "off",
     "aria-describedby": said.id, oninput: note });
   const label = ours("label", prompt, { htmlFor: id });
