@@ -11,8 +11,8 @@ They claim these things, in forms that a person reads, too:
         02 D9 00 ...                bytes that are somewhere in the capture, one after the other
     1. The button *Late*.           under "Look": steps, of which `clicks` tells filters and packets
 
-Further columns of a table are for the reader, and so are tables with other headings. There are no other indented blocks but
-what the reader types. If that is `python3 -m sistap bus ... -w FILE`, the lesson has a scenario in place of a capture.
+Further columns of a table are for the reader, and so are tables with other headings. There are no other indented blocks
+but what the reader types. If that is `python3 -m sistap bus ... -w FILE`, the lesson has a scenario, and no capture.
 
 In a step, these words change the display filter: "button *NAME*", "filter `EXPRESSION`", "Clear the filter". What is
 named as "packet 4" or "packets 1 to 4" is clicked, so the filter must show it. A dialog is opened without a filter.
@@ -180,7 +180,7 @@ TABLES: dict[tuple[str, ...], Row] = {
 
 
 def claims(text: str, name: str) -> list[Claim]:
-    """Return all claims of a text; lines count from 1 in it. ValueError names the line that is none of what may stand there."""
+    """Return all claims of a text; lines count from 1 in it. ValueError names a line that is none of them."""
     return list(_claims(text.splitlines(), name))
 
 

@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Callable
 from decimal import Decimal, InvalidOperation
 from functools import cache
+from itertools import accumulate
 from pathlib import Path
 
 import pytest
@@ -154,13 +155,19 @@ class Program:
     def field(self, packet: int, name: str) -> str:
         return fields(self._tshark, self.capture, self._names, tuple(self._options))[packet - 1][name]
 
-    def given(self, telegrams: list[bytes], name: str, folder: Path) -> str:
-        """Return a field of the last of some telegrams that are in no capture."""
+    def given(self, folder: Path) -> dict[tuple[bytes, ...], dict[str, str]]:
+        """Return the claimed fields of the last of each lot of telegrams. Each lot is a capture of its own."""
+        lots = list(dict.fromkeys(tuple(claim.telegrams) for claim in self.claims if isinstance(claim, Given)))
+        names = tuple(sorted({claim.field for claim in self.claims if isinstance(claim, Given)}))
+        if not lots:
+            return {}
         text, made = folder / "given.txt", folder / "given.pcapng"
-        text.write_text("@link sis\n" + "".join(f"telegram {telegram.hex(' ')}\n" for telegram in telegrams))
+        parts = ("".join(f"telegram {telegram.hex(' ')}\n" for telegram in lot) for lot in lots)
+        text.write_text("@link sis\n" + "section\n".join(parts))
         made.write_bytes(Scenario(text).capture())
-        arguments = ("-r", str(made), "-2", *self._options, "-T", "fields", "-e", name)
-        return self._tshark.output(*arguments).split("\n")[len(telegrams) - 1]
+        rows = fields(self._tshark, made, names, tuple(self._options))
+        ends = accumulate(len(lot) for lot in lots)
+        return {lot: rows[end - 1] for lot, end in zip(lots, ends, strict=True)}
 
     def printed(self, arguments: list[str]) -> list[str]:
         words = [str(self.capture) if word == self.capture.name else word for word in arguments]
@@ -181,7 +188,7 @@ def program(path: Path, capture: Path, tshark: Tshark, sharkd: Sharkd) -> Progra
     return Program(path, capture, [], tshark, sharkd)
 
 
-def wrong(program: Program, claim: Claim, folder: Path) -> str:
+def wrong(program: Program, claim: Claim) -> str:
     """Tell what the capture says instead, or nothing."""
     match claim:
         case Filter(_, expression, expected):
@@ -189,9 +196,6 @@ def wrong(program: Program, claim: Claim, folder: Path) -> str:
             return "" if left == expected else f"leaves {left}"
         case Value(_, packet, name, value):
             found = program.field(packet, name)
-            return "" if same(value, found) else f"is {found!r}"
-        case Given(_, telegrams, name, value):
-            found = program.given(telegrams, name, folder)
             return "" if same(value, found) else f"is {found!r}"
         case Command(_, arguments, output):
             lines = program.printed(arguments)
@@ -201,16 +205,30 @@ def wrong(program: Program, claim: Claim, folder: Path) -> str:
         case Explained(_, packet, _):
             rows = [one.data for one in program.claims if isinstance(one, Explained) and one.packet == packet]
             return "" if b"".join(rows) == program.telegram(packet) else "are not all bytes of the packet"
+    return ""  # of a Given, see below
 
 
 @every_capture
-def test_claims(path: Path, capture: Path, tshark: Tshark, sharkd: Sharkd, tmp_path: Path) -> None:
+def test_claims(path: Path, capture: Path, tshark: Tshark, sharkd: Sharkd) -> None:
     complaints = []
     for shown, where, said in about(lesson_of(path), capture):
         program = Program(path, shown, said, tshark, sharkd)
         for claim in said:
-            if words := wrong(program, claim, tmp_path):
+            if words := wrong(program, claim):
                 complaints.append(f"{where}, line {claim.line}: {claim[1:]} {words}")
+    assert not complaints, "\n".join(complaints)
+
+
+@pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
+def test_given_telegrams(path: Path, tshark: Tshark, sharkd: Sharkd, tmp_path: Path) -> None:
+    """Wireshark decodes the bytes of the tasks as their solutions say."""
+    said = [(task.number, claim) for task in lesson_of(path).tasks for claim in task.claims if isinstance(claim, Given)]
+    found = Program(path, path, [claim for _, claim in said], tshark, sharkd).given(tmp_path)
+    complaints = [
+        f"solutions/{path.name}, task {number}: {claim[1:]} is {decoded!r}"
+        for number, claim in said
+        if not same(claim.value, decoded := found[tuple(claim.telegrams)][claim.field])
+    ]
     assert not complaints, "\n".join(complaints)
 
 

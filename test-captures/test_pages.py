@@ -87,7 +87,8 @@ CLAIM = "| packet | field | value |\n|---|---|---|\n| 2 | `sis.status` | 0x01 |"
 def test_a_task_and_its_solution_are_read(tmp_path: Path) -> None:
     hint = "\n\n<details>\n<summary>Hint</summary>\n\nLook.\n\n</details>"
     listed = "    02 D9\n\n- The *status*\n  byte (hex)\n- Its time (number, ms)\n- Good (yes / no / nobody can know)"
-    right = "- `01` or `1`\n  - `10`: You read it\n    backwards.\n- `5 ms`\n- `no`\n  - `yes`: Look again.\n\nIt is bad.\n\n"
+    first = "- `01` or `1`\n  - `10`: You read it\n    backwards.\n"
+    right = f"{first}- `5 ms`\n- `no`\n  - `yes`: Look again.\n\nIt is bad.\n\n"
     lesson = lesson_of(tmp_path, listed + hint, right + CLAIM)
     (task,) = lesson.tasks
     assert (lesson.end, lesson.aim, task.hint, task.lead) == ("Next: two.", "Text.", "Look.", "    02 D9")

@@ -37,7 +37,7 @@ _CODE = re.compile(r"`([^`]+)`")
 
 
 class Remark(NamedTuple):
-    """A known mistake and what to say; of a telegram a condition, and what to say while it is not met; a point to make."""
+    """A known mistake, or a condition of a telegram that is not met, and what to say then; or a point of a finding."""
 
     code: str  # what was typed, or a display filter; empty for a point
     say: str
