@@ -23,7 +23,7 @@ CAPTURE = Path(sistap.__file__).parents[1]
 # How the text opens its capture in Wireshark; the page has it open.
 _OPENED = re.compile(r"(?:^.+\n)*.*in the\s+folder\s+`test-captures/course`:\n\n    wireshark .*\n\n", re.MULTILINE)
 # What needs a terminal, and what stands in its place in the page: for other readers, a comment that they do not see.
-_TERMINAL = re.compile(r"<!-- with a terminal -->\n.*?<!-- in the page:\n(.*?\n)-->\n", re.DOTALL)
+_TERMINAL = re.compile(r"<!-- with a terminal -->\n.*?<!-- in the page:\n(.*?\n)-->(?:\n|\Z)", re.DOTALL)
 PAPERS = {"sheet": "The telegram on one page", "poster": "Poster"}
 
 
