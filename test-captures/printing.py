@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes a PDF from a page in SVG, with rsvg-convert or, without it, with chromium. Both embed the fonts."""
+"""Makes a PDF from a page in SVG, with chromium. It embeds the fonts."""
 
 from __future__ import annotations
 
 import hashlib
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -15,20 +14,12 @@ from chromium import program
 
 
 def pdf(svg: str) -> bytes:
-    """Return the PDF. Ends the program if nothing here can make one."""
-    try:
-        if shutil.which("rsvg-convert") or program() is None:
-            command = ["rsvg-convert", "--format=pdf"]
-            return subprocess.run(command, check=True, input=svg.encode(), stdout=subprocess.PIPE).stdout
-        return _printed(svg, str(program()))
-    except (OSError, subprocess.CalledProcessError) as error:
-        sys.exit(f"{error}; rsvg-convert is in the package librsvg2-bin")
-
-
-def _printed(svg: str, browser: str) -> bytes:
+    """Return the PDF. Ends the program if there is no chromium."""
+    browser = program()
+    if browser is None:
+        sys.exit("a PDF needs chromium: install the package chromium")
     size = re.search(r'width="([\d.]+mm)" height="([\d.]+mm)"', svg)
-    if size is None:
-        raise ValueError("the SVG has no size in millimetres")
+    assert size is not None, "the SVG has no size in millimetres"
     style = f"@page {{ size: {size[1]} {size[2]}; margin: 0 }} body {{ margin: 0 }} svg {{ display: block }}"
     with TemporaryDirectory() as folder:
         page, made = Path(folder) / "page.html", Path(folder) / "page.pdf"

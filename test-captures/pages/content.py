@@ -24,7 +24,7 @@ CAPTURE = Path(sistap.__file__).parents[1]
 _OPENED = re.compile(r"(?:^.+\n)*.*in the\s+folder\s+`test-captures/course`:\n\n    wireshark .*\n\n", re.MULTILINE)
 # What needs a terminal, and what stands in its place in the page: for other readers, a comment that they do not see.
 _TERMINAL = re.compile(r"<!-- with a terminal -->\n.*?<!-- in the page:\n(.*?\n)-->(?:\n|\Z)", re.DOTALL)
-PAPERS = {"sheet": "The telegram on one page", "poster": "Poster"}
+PAPERS = {"sheet": "The telegram on one page", "poster": "Poster", "wall-chart": "Wall chart"}
 
 
 def lessons() -> list[Lesson]:
