@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads what a lesson of the course claims, so that a test can hold it against the capture.
+"""Reads what a lesson of the course and its solutions claim, so that a test can hold it against the capture.
 
-A lesson claims five things, in forms that a person reads, too:
+They claim these things, in forms that a person reads, too:
 
     | filter | packets |            a display filter and the packets that it leaves, or `none`
     | packet | field | value |      what a field of a packet is, as `tshark -T fields` writes it, or `there`
+    | telegram | field | value |    the same of telegrams that need not be in a capture: of the last one of A / B / C
+    | telegram | bytes | says |     bytes of a packet, explained: all rows of a packet together are its telegram
         $ tshark ARGUMENTS          a command, and under it all that it prints
         02 D9 00 ...                bytes that are somewhere in the capture, one after the other
-    1. The button *Late*.           under "Click": steps, of which `clicks` tells filters and packets
+    1. The button *Late*.           under "Look": steps, of which `clicks` tells filters and packets
 
-Further columns of a table are for the reader. There are no other tables in a lesson, and no other indented blocks but
-what the reader types. If that is `python3 -m sistap bus ... -w FILE`, the lesson has a scenario in place of a capture.
+Further columns of a table are for the reader, and so are tables with other headings. There are no other indented blocks
+but what the reader types. If that is `python3 -m sistap bus ... -w FILE`, the lesson has a scenario, and no capture.
 
 In a step, these words change the display filter: "button *NAME*", "filter `EXPRESSION`", "Clear the filter". What is
 named as "packet 4" or "packets 1 to 4" is clicked, so the filter must show it. A dialog is opened without a filter.
@@ -58,7 +60,24 @@ class Bytes(NamedTuple):
     data: bytes
 
 
-Claim = Filter | Value | Command | Bytes
+class Given(NamedTuple):
+    """Telegrams that need not be in a capture, and the value of a field of the last one."""
+
+    line: int
+    telegrams: list[bytes]
+    field: str
+    value: str
+
+
+class Explained(NamedTuple):
+    """Bytes of a packet that are explained in place."""
+
+    line: int
+    packet: int
+    data: bytes
+
+
+Claim = Filter | Value | Command | Bytes | Given | Explained
 
 Row = Callable[[int, list[str]], Claim]
 
@@ -100,7 +119,7 @@ def recording(path: Path) -> list[str]:
 
 Click = Button | Typed | Clicked | Dialog
 
-STEPS = re.compile(r"^## Click\n\n(.*?)\n\n## ", re.MULTILINE | re.DOTALL)
+STEPS = re.compile(r"^## Look\n\n(.*?)\n\n## ", re.MULTILINE | re.DOTALL)
 STEP = re.compile(r"^\d+\. (.*(?:\n   .*)*)", re.MULTILINE)
 CLICKS = re.compile(
     r"button \*(?P<button>\w+)\*"
@@ -143,12 +162,26 @@ def _value(line: int, cells: list[str]) -> Value:
     return Value(line, int(cells[0]), cells[1].strip("`"), cells[2].strip("`"))
 
 
-TABLES: dict[tuple[str, ...], Row] = {("filter", "packets"): _filter, ("packet", "field", "value"): _value}
+def _given(line: int, cells: list[str]) -> Given:
+    telegrams = [bytes.fromhex(text) for text in cells[0].replace("`", "").split("/")]
+    return Given(line, telegrams, cells[1].strip("`"), cells[2].strip("`"))
 
 
-def claims(path: Path) -> list[Claim]:
-    """Return all claims of a lesson. ValueError names the line that is none of what a lesson may have."""
-    return list(_claims(path.read_text().splitlines(), path.name))
+def _explained(line: int, cells: list[str]) -> Explained:
+    return Explained(line, int(cells[0]), bytes.fromhex(cells[1].replace("`", "")))
+
+
+TABLES: dict[tuple[str, ...], Row] = {
+    ("filter", "packets"): _filter,
+    ("packet", "field", "value"): _value,
+    ("telegram", "field", "value"): _given,
+    ("telegram", "bytes", "says"): _explained,
+}
+
+
+def claims(text: str, name: str) -> list[Claim]:
+    """Return all claims of a text; lines count from 1 in it. ValueError names a line that is none of them."""
+    return list(_claims(text.splitlines(), name))
 
 
 def _claims(lines: list[str], name: str) -> Iterator[Claim]:
@@ -172,9 +205,10 @@ def _kind(line: str) -> str:
 def _table(block: list[tuple[int, str]]) -> Iterator[Claim]:
     rows = [(line, [cell.strip() for cell in re.split(r"(?<!\\)\|", text)[1:-1]]) for line, text in block]
     header = rows[0][1]
-    (read,) = (read for columns, read in TABLES.items() if tuple(header[: len(columns)]) == columns)
-    for line, cells in rows[2:]:
-        yield read(line, cells)
+    for columns, read in TABLES.items():
+        if tuple(header[: len(columns)]) == columns:
+            for line, cells in rows[2:]:
+                yield read(line, cells)
 
 
 def _indented(block: list[tuple[int, str]]) -> Iterator[Claim]:

@@ -12,17 +12,18 @@ import pytest
 from sharkd import Sharkd
 
 from lesson import recording
-from pages import HERE, markdown, questions
+from pages import HERE, markdown, tasks
 from pages.content import content, in_page, lessons
 
 LESSONS = lessons()
 READABLE = {
-    "number": r"0x[0-9a-f]+|-?\d+(\.\d+)?( \w+)?",
+    "number": r"0x[0-9a-f]+|-?\d+(\.\d+)?( \S+)?",
     "packets": r"none|\d+(-\d+)?(, \d+(-\d+)?)*",
     "hex": r"[0-9A-F ]+",
     "filter": r"\S.*",
     "text": r"\S.*",
     "choice": r"\S.*",
+    "telegram": r"[0-9A-F]{2}( [0-9A-F]{2})*",
 }
 
 SHORT = [lesson for lesson in LESSONS if not recording(lesson.path)]
@@ -38,92 +39,93 @@ def test_no_html_of_a_lesson_passes_but_what_folds(line: str) -> None:
 
 
 @pytest.mark.style
-def test_every_question_can_be_checked() -> None:
-    for lesson in LESSONS:
-        assert [question.number for question in lesson.questions] == list(range(1, len(lesson.questions) + 1))
-    for question in (question for lesson in LESSONS for question in lesson.questions):
-        assert question.hint
-        assert question.answer
-        assert question.asks
-        for ask in question.asks:
-            assert ask.accepted
-            assert all(re.fullmatch(READABLE[ask.kind], one) for one in ask.accepted), ask
-            assert len(ask.choices) != 1
+def test_every_task_can_be_checked() -> None:
+    for task in (task for lesson in LESSONS for task in lesson.tasks):
+        assert task.blanks
+        for blank in task.blanks:
+            assert blank.accepted or blank.kind == "finding", blank
+            assert all(re.fullmatch(READABLE[blank.kind], one) for one in blank.accepted), blank
 
 
 @pytest.mark.style
 @pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.path.stem)
-def test_no_lesson_of_the_page_needs_a_terminal(lesson: questions.Lesson) -> None:
-    """Lesson 21 is about one, which somebody else had."""
-    asked = [text for one in lesson.questions for text in (one.text, one.lead, one.hint, one.answer)]
-    text = "\n".join([in_page(lesson.text), *asked, lesson.end])
+def test_no_lesson_of_the_page_needs_a_terminal(lesson: tasks.Lesson) -> None:
+    """The lesson on ASCII is about one, which somebody else had."""
+    asked = [text for one in lesson.tasks for text in (one.text, one.lead, one.hint)]
+    text = "\n".join(map(in_page, [lesson.head, *(section.text for section in lesson.sections), *asked, lesson.end]))
     told = re.findall(r"python3|\bpy -m|\bcd \w|wireshark -C|Command Prompt|<!--|-->|[Tt]erminals?\b", text)
-    assert not told or (lesson.path.stem == "21-typed-by-hand" and {word.lower() for word in told} == {"terminal"})
-    assert "\n## What to know\n" in text
-    assert "\n## Click\n" in text
+    assert not told or (lesson.path.stem == "17-typed-by-hand" and {word.lower() for word in told} == {"terminal"})
 
 
 ANSWERED = [
-    (lesson.path.with_suffix(".pcapng"), expression)
+    (lesson.proof if section.title == tasks.PROVE else lesson.path.with_suffix(".pcapng"), expression)
     for lesson in SHORT
-    for question in lesson.questions
-    for ask in question.asks
-    if ask.kind == "filter"
-    for expression in ask.accepted
+    for section in lesson.sections
+    for task in section.tasks
+    for blank in task.blanks
+    if blank.kind == "filter"
+    for expression in blank.accepted
 ]
 
 
 def test_filters_of_answers_leave_something(sharkd: Sharkd) -> None:
-    assert len(ANSWERED) > 3
     assert [answer for answer in ANSWERED if not sharkd.frames(*answer)] == []
 
 
-def question(folder: Path, body: str) -> questions.Question:
-    """Read a lesson that has one question."""
+def lesson_of(folder: Path, body: str, solution: str) -> tasks.Lesson:
+    """Read a lesson that has one task."""
     path = folder / "01-one.md"
-    path.write_text(f"# 1. One\n\nText.\n\n## Questions\n\n**1. What?**\n\n{body}\n\nNext: two.\n")
-    lesson = questions.read(path)
-    assert lesson.end == "Next: two."
-    return lesson.questions[0]
+    path.write_text(f"# 1. One\n\nText.\n\n## Predict\n\n**1. What?**\n\n{body}\n\nNext: two.\n")
+    (folder / "solutions").mkdir(exist_ok=True)
+    tasks.solutions_of(path).write_text(f"# Solutions of lesson 1\n\n## 1\n\n{solution}")
+    return tasks.read(path)
 
 
-ANSWER = "<details>\n<summary>Answer</summary>\n\n{}\n\n</details>"
 CLAIM = "| packet | field | value |\n|---|---|---|\n| 2 | `sis.status` | 0x01 |"
 
 
-def test_hint_and_list_are_read(tmp_path: Path) -> None:
-    hint = "<details>\n<summary>Hint</summary>\n\nLook.\n\n</details>\n\n"
-    listed = "- The *status*\n  byte (hex): `01` or `1`\n- Good (yes / no): `no`\n\nIt is bad.\n\n"
-    found = question(tmp_path, hint + ANSWER.format(listed + CLAIM))
-    assert found.marked
-    assert found.hint == "Look."
-    assert found.asks == [
-        questions.Ask("The *status* byte", "hex", ["01", "1"], []),
-        questions.Ask("Good", "choice", ["no"], ["yes", "no"]),
+def test_a_task_and_its_solution_are_read(tmp_path: Path) -> None:
+    hint = "\n\n<details>\n<summary>Hint</summary>\n\nLook.\n\n</details>"
+    listed = "    02 D9\n\n- The *status*\n  byte (hex)\n- Its time (number, ms)\n- Good (yes / no / nobody can know)"
+    first = "- `01` or `1`\n  - `10`: You read it\n    backwards.\n"
+    right = f"{first}- `5 ms`\n- `no`\n  - `yes`: Look again.\n\nIt is bad.\n\n"
+    lesson = lesson_of(tmp_path, listed + hint, right + CLAIM)
+    (task,) = lesson.tasks
+    assert (lesson.end, lesson.aim, task.hint, task.lead) == ("Next: two.", "Text.", "Look.", "    02 D9")
+    assert task.blanks == [
+        tasks.Blank("The *status* byte", "hex", "", [], ["01", "1"], [tasks.Remark("10", "You read it backwards.")]),
+        tasks.Blank("Its time", "number", "ms", [], ["5 ms"], []),
+        tasks.Blank(
+            "Good", "choice", "", ["yes", "no", "nobody can know"], ["no"], [tasks.Remark("yes", "Look again.")]
+        ),
     ]
-    assert found.answer.startswith("It is bad.")
+    assert task.solution.startswith("It is bad.")
+    assert len(task.claims) == 1
 
 
-def test_question_without_a_list_asks_for_its_first_claim(tmp_path: Path) -> None:
-    found = question(tmp_path, ANSWER.format("- Not a list to type.\n\n" + CLAIM))
-    assert not found.marked
-    assert found.asks == [questions.Ask("`sis.status` of packet 2", "number", ["0x01"], [])]
-    assert found.hint == "Look at packet 2."
-    assert "Not a list to type." in found.answer
+def test_a_finding_has_points(tmp_path: Path) -> None:
+    lesson = lesson_of(tmp_path, "- Two sentences (finding)", "- Finding\n  - Names the drive.\n")
+    assert lesson.tasks[0].blanks == [
+        tasks.Blank("Two sentences", "finding", "", [], [], [tasks.Remark("", "Names the drive.")])
+    ]
 
 
 @pytest.mark.parametrize(
-    ("listed", "words"),
-    [("- It (word): `x`", "word is none of"), ("- It (a / b): `c`", "none of the choices")],
+    ("body", "solution", "words"),
+    [
+        ("- It (word)", "- `x`\n", "word is none of"),
+        ("- It (a / b / c)", "- `d`\n", "none of the choices"),
+        ("- It", "- `x`\n", "does not end with its kind"),
+        ("- It (text)", "- `x`\n  - y\n", "is not `what was typed`"),
+        ("- It (text)\n- That (text)", "- `x`\n", "has 2 blanks"),
+        ("- It (text)", "- `x`\n\n## 2\n\n- `y`\n", "no task has the number 2"),
+        ("- It (text)", "Words.\n", "has no list"),
+        ("Words.", "- `x`\n", "asks for nothing"),
+    ],
 )
-def test_list_that_cannot_be_asked_is_refused(tmp_path: Path, listed: str, words: str) -> None:
+def test_a_task_that_cannot_be_asked_is_refused(tmp_path: Path, body: str, solution: str, words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        question(tmp_path, ANSWER.format(f"{listed}\n\n{CLAIM}"))
-
-
-def test_answer_with_nothing_to_check_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="nothing to check"):
-        question(tmp_path, ANSWER.format("Words."))
+        lesson_of(tmp_path, body, solution)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +135,7 @@ def test_answer_with_nothing_to_check_is_refused(tmp_path: Path) -> None:
         ("DOK-SYNAX*-SY*-08V", "<p>DOK-SYNAX*-SY*-08V</p>"),
         ("    02 D9\n    <x>", "<pre>02 D9\n&lt;x&gt;</pre>"),
         ("- one\n  more\n- **two**", "<ul><li>one more</li><li><strong>two</strong></li></ul>"),
-        ("[next](02-who-talks.md)", '<p><a href="#learn/02-who-talks">next</a></p>'),
+        ("[next](02-status-and-errors.md)", '<p><a href="#learn/02-status-and-errors">next</a></p>'),
         ("[up](../README.md)", '<p><a href="#learn">up</a></p>'),
         ("[a file](../../plugin/protocol/codes.toml)", "<p>a file</p>"),
         ("[bad](javascript:alert(1))", "<p>bad)</p>"),

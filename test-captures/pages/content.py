@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import subprocess
 import sys
@@ -15,8 +16,8 @@ from typing import Any
 import sistap
 from lesson import recording
 from make import Scenario
-from pages import COURSE, HERE, markdown, questions
-from pages.questions import Ask, Lesson, Question
+from pages import COURSE, HERE, markdown, tasks
+from pages.tasks import Blank, Lesson, Section, Task
 
 CAPTURE = Path(sistap.__file__).parents[1]
 # How the text opens its capture in Wireshark; the page has it open.
@@ -28,7 +29,7 @@ PAPERS = {"sheet": "The telegram on one page", "poster": "Poster"}
 
 def lessons() -> list[Lesson]:
     """Read all lessons, in their order."""
-    return [questions.read(path) for path in sorted(COURSE.glob("[0-9][0-9]-*.md"))]
+    return [tasks.read(path) for path in sorted(COURSE.glob("[0-9][0-9]-*.md"))]
 
 
 def content(folder: Path) -> dict[str, Any]:
@@ -48,14 +49,27 @@ def _lesson(lesson: Lesson, folder: Path) -> dict[str, Any]:
         "name": lesson.path.stem,
         "title": lesson.title,
         "aim": markdown.inline(lesson.aim),
-        "text": markdown.html(in_page(lesson.text)),
-        "questions": [_question(question) for question in lesson.questions],
+        "minutes": minutes(lesson),
+        "text": markdown.html(in_page(lesson.head)),
+        "sections": [_section(section) for section in lesson.sections],
         "end": markdown.html(lesson.end),
-        "capture": b64encode(capture(lesson, folder).read_bytes()).decode(),
+        "capture": _encoded(capture(lesson, folder)),
+        "proof": "" if lesson.proof == lesson.path.with_suffix(".pcapng") else _encoded(lesson.proof),
         "preferences": preferences(lesson),
         "scenario": scenario.read_text() if scenario.exists() else "",
         "seconds": _seconds(lesson),
     }
+
+
+def _encoded(path: Path) -> str:
+    return b64encode(path.read_bytes()).decode()
+
+
+def minutes(lesson: Lesson) -> int:
+    """Return how long a lesson takes: 120 words a minute to read, two minutes a blank, to the next five minutes."""
+    words = len(re.findall(r"\w+", " ".join([lesson.head, *(section.text for section in lesson.sections)])))
+    blanks = sum(len(task.blanks) for task in lesson.tasks)
+    return 5 * math.ceil((words / 120 + 2 * blanks) / 5)
 
 
 def in_page(text: str) -> str:
@@ -63,19 +77,38 @@ def in_page(text: str) -> str:
     return _TERMINAL.sub(r"\1", _OPENED.sub("", text, count=1))
 
 
-def _question(question: Question) -> dict[str, Any]:
+def _section(section: Section) -> dict[str, Any]:
     return {
-        "number": question.number,
-        "text": markdown.inline(question.text),
-        "lead": markdown.html(question.lead),
-        "hint": markdown.html(question.hint),
-        "answer": markdown.html(question.answer),
-        "asks": [_ask(ask) for ask in question.asks],
+        "title": section.title,
+        "text": markdown.html(in_page(section.text)),
+        "tasks": [_task(task) for task in section.tasks],
     }
 
 
-def _ask(ask: Ask) -> dict[str, Any]:
-    return {**ask._asdict(), "prompt": markdown.inline(ask.prompt)}
+def _task(task: Task) -> dict[str, Any]:
+    return {
+        "number": task.number,
+        "text": markdown.inline(task.text),
+        "lead": markdown.html(task.lead),
+        "hint": markdown.html(task.hint),
+        "solution": markdown.html(task.solution),
+        "blanks": [_blank(blank) for blank in task.blanks],
+    }
+
+
+def _blank(blank: Blank) -> dict[str, Any]:
+    found = {
+        "prompt": markdown.inline(blank.prompt),
+        "kind": blank.kind,
+        "unit": blank.unit,
+        "choices": blank.choices,
+        "accepted": blank.accepted,
+    }
+    if blank.kind == "telegram":
+        return {**found, "conditions": [{"filter": code, "say": say} for code, say in blank.remarks]}
+    if blank.kind == "finding":
+        return {**found, "points": [markdown.inline(say) for _, say in blank.remarks]}
+    return {**found, "mistakes": [{"wrong": code, "say": say} for code, say in blank.remarks]}
 
 
 def preferences(lesson: Lesson) -> dict[str, str]:

@@ -19,6 +19,10 @@ export const firstOf = (tree, name) => allOf(tree, name)[0];
 // What Wireshark shows of an item: what it has found out itself, and not read in the bytes, is in brackets.
 export const textOf = ({ label, isGenerated }) => (isGenerated && !/^\[.*\]$/s.test(label) ? `[${label}]` : label);
 
+// A tree without what Wireshark judges: a learner is to do that.
+export const withoutVerdicts = (tree) => tree.filter((item) => !/verdict$|^_ws\.expert/.test(nameOf(item)))
+  .map((item) => ({ ...item, severity: "", tree: withoutVerdicts(item.tree) }));
+
 // Protocols of ours that are a telegram, or a packet of it.
 export const PROTOCOLS = ["sis", "sisascii", "3964r", "arcnet7f", "synaxpk", "synaxpd", "synaxobj", "synaxpcp"];
 

@@ -4,7 +4,7 @@
 
 import { button, element } from "./dom.js";
 import { asFilters } from "./applying.js";
-import { textOf } from "./items.js";
+import { textOf, withoutVerdicts } from "./items.js";
 
 const OPEN_AT_FIRST = ["sis", "3964r", "rk512i", "synaxobj", "synaxpk"];
 const LONGEST = 200; // characters of a filter that are shown
@@ -52,7 +52,8 @@ export class Tree {
     this.items = [];
     this.elements.clear();
     this.chosen = null;
-    this.top = nodesOf(this.capture.packet?.tree ?? [], null, this.items);
+    const tree = this.capture.packet?.tree ?? [];
+    this.top = nodesOf(this.root.closest(".raw") ? withoutVerdicts(tree) : tree, null, this.items);
     this.root.replaceChildren(...this.top.map((node) => this.made(node)));
     if (this.top.length) this.elements.get(this.top[0]).tabIndex = 0;
     const again = kept && this.items.find((one) => nameOf(one.item) === kept && this.isSeen(one));

@@ -9,6 +9,26 @@ import { startWireshark } from "../front/engine.js";
 const MAGIC = 0xa1b2c3d4, UPPER_PDU = 252, NAME = 12; // of a capture (pcap); a dissector's name is a tag of the packet
 
 let shared = null; // a promise of the peer
+let turn = Promise.resolve(); // until it is free
+
+// Does something with the Wireshark alone: `act(peer)`.
+function alone(act) {
+  shared ??= startWireshark();
+  const mine = turn.then(async () => act(await shared));
+  turn = mine.catch(() => {});
+  return mine;
+}
+
+// Tells of each display filter whether a packet of a capture matches.
+export function fits(bytes, filters) {
+  return alone(async (peer) => {
+    await peer.call("prefer", [USUAL]);
+    await peer.call("open", [bytes]);
+    const found = [];
+    for (const filter of filters) found.push((await peer.call("rows", [filter, 0, 1])).matched > 0);
+    return found;
+  });
+}
 
 // Shows packets of a capture by their numbers: calls `show(packets)` for the newest state only.
 export class Bench {
@@ -23,16 +43,16 @@ export class Bench {
     if (this.isBusy) return;
     this.isBusy = true;
     try {
-      shared ??= startWireshark();
-      const peer = await shared;
       while (this.next) {
         const [wanted, places, asked] = this.next;
         this.next = null;
-        await peer.call("prefer", [{ ...USUAL, ...asked }]);
-        await peer.call("open", [wanted]);
-        const found = [];
-        for (const place of places) found.push(await peer.call("packet", [place]));
-        this.show(found);
+        this.show(await alone(async (peer) => {
+          await peer.call("prefer", [{ ...USUAL, ...asked }]);
+          await peer.call("open", [wanted]);
+          const found = [];
+          for (const place of places) found.push(await peer.call("packet", [place]));
+          return found;
+        }));
       }
     } finally {
       this.isBusy = false;

@@ -7,29 +7,35 @@ import { visible } from "../front/files.js";
 import { ours } from "./ours.js";
 import { readResults } from "./progress.js";
 
-const WORDS = `Each lesson is a problem at a machine, and takes 10 to 15 minutes. Read, look at the packets, and type your \
-answers: they are checked at once.`;
+const WORDS = `One machine, one week: each lesson is a problem at the winder. Read, predict, open the packets, build, and prove. What \
+you type is checked at once.`;
+const WEEK = 14; // lessons; those after it show other roads to a drive
+
+const tasksOf = ({ sections }) => sections.flatMap(({ tasks }) => tasks);
 
 export function courseList({ lessons, papers }, progress, showing) {
   const right = lessons.reduce((sum, { name }) => sum + progress.right(name), 0);
-  const count = lessons.reduce((sum, { questions }) => sum + questions.length, 0);
+  const count = lessons.reduce((sum, lesson) => sum + tasksOf(lesson).length, 0);
   const links = [["glossary", "Glossary"], ...papers].flatMap(([id, title]) => [" ", element("a", { href: `#learn/${id}` }, title)]);
   const root = element("article", { className: "page" });
   const renew = () => root.replaceWith(courseList({ lessons, papers }, progress, showing));
   root.append(element("h1", {}, "A course to do"), element("p", {}, WORDS),
-    element("p", {}, `${right} of ${count} questions answered.`,
+    element("p", {}, `${right} of ${count} tasks done.`,
       progress.isKept ? "" : " This browser does not let the page keep your progress.", ...links),
-    element("ol", { className: "lessons", start: 0 }, ...lessons.map((lesson) => item(lesson, progress))),
+    element("ol", { className: "lessons" }, ...lessons.slice(0, WEEK).map((lesson) => item(lesson, progress))),
+    element("h2", {}, "Other roads"),
+    element("ol", { className: "lessons", start: WEEK + 1 }, ...lessons.slice(WEEK).map((lesson) => item(lesson, progress))),
     element("h2", {}, "Results"), ...ofLearner(progress, renew), ...ofTeacher(lessons, showing));
   return root;
 }
 
-function item({ name, title, aim, questions }, progress) {
-  const right = progress.right(name);
+function item(lesson, progress) {
+  const { name, title, aim, minutes } = lesson;
+  const right = progress.right(name), count = tasksOf(lesson).length;
   return element("li", {},
     element("a", { href: `#learn/${name}` }, title.replace(/^\d+\. /, "")), " ",
-    element("progress", { max: questions.length, value: right, "aria-label": "Questions answered" }), " ",
-    element("small", {}, `${right} of ${questions.length}`), ours("p", aim));
+    element("progress", { max: count, value: right, "aria-label": "Tasks done" }), " ",
+    element("small", {}, `${right} of ${count}, ${minutes} minutes`), ours("p", aim));
 }
 
 function ofLearner(progress, renew) {
@@ -50,7 +56,7 @@ function ofTeacher(lessons, showing) {
     chooser.value = ""; // so that the same file can be chosen again
     const read = await Promise.all(files.map(readFile));
     const results = read.filter(({ trouble }) => !trouble), others = read.filter(({ trouble }) => trouble);
-    holder.replaceChildren(...(results.length ? [classTable(lessons, results)] : []), ...notRead(others));
+    holder.replaceChildren(...(results.length ? [classTable(lessons, results), ...findingsOf(lessons, results)] : []), ...notRead(others));
   };
   const chooser = element("input", { type: "file", id: "results", multiple: true, accept: ".json", className: "visually-hidden",
     onchange: () => showing(readAll) });
@@ -76,11 +82,23 @@ function notRead(others) {
 
 function classTable(lessons, results) {
   const head = ["Name", ...lessons.map(({ title }) => title.match(/^\d+/)?.[0] ?? title), "Saved"];
-  const cell = (one, { name, questions }) => {
-    const shown = one.shown(name);
-    return `${one.right(name)}/${questions.length}${shown ? ` (${shown} shown)` : ""}`;
+  const cell = (one, lesson) => {
+    const shown = one.shown(lesson.name);
+    return `${one.right(lesson.name)}/${tasksOf(lesson).length}${shown ? ` (${shown} shown)` : ""}`;
   };
   const rows = results.sort((one, other) => one.name.localeCompare(other.name))
     .map((one) => [visible(one.name) || "no name", ...lessons.map((lesson) => cell(one, lesson)), one.when.slice(0, 10)]);
   return table([head, ...rows], { name: "Results of the class" });
+}
+
+// What the learners have written, for a teacher to read: they judged it themselves.
+function findingsOf(lessons, results) {
+  const written = lessons.flatMap((lesson) => tasksOf(lesson).flatMap(({ number, blanks }) =>
+    blanks.flatMap(({ kind, points }, place) => (kind === "finding" ? [{ lesson, points, field: `blank-${number}-${place}` }] : []))));
+  return written.flatMap(({ lesson, points, field }) => {
+    const texts = results.map((one) => [one.name, one.typed(lesson.name)[field]]).filter(([, text]) => text);
+    if (!texts.length) return [];
+    return [element("h3", {}, `Findings of lesson ${lesson.title}`), element("ul", {}, ...points.map((point) => ours("li", point))),
+      ...texts.map(([name, text]) => element("blockquote", {}, element("b", {}, `${visible(name)}: `), visible(String(text))))];
+  });
 }

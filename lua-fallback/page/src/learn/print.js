@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// A lesson on paper: its text and questions, all packets, and on pages of their own the answers.
+// A lesson on paper: its text with the tasks, and all packets. No answer is on it: those are for the teacher.
 
 import { Stopped } from "../protocol.js";
 import { element, table } from "../front/dom.js";
@@ -12,13 +12,12 @@ const MOST = 400; // packets; of a longer capture the first
 const MOST_BYTES = 40; // of a telegram
 const BYTES = 3; // the column
 
-export async function printLesson({ title, text, questions }, capture) {
+export async function printLesson({ title, text, sections }, capture) {
   const packets = await capture.long("Preparing the print", (options) => packetsOf(capture, options));
   const words = packets.length < capture.packets ? `The first ${packets.length} of ${capture.packets} packets` : "All packets";
   const sheet = element("div", { className: "print-only" }, ours("h1", title), ours("div", text),
-    element("h2", {}, "Questions"), ...questions.map(asked),
-    element("h2", {}, words), table([["No.", "Time", "Telegram", "Bytes"], ...packets], { name: "Packets", cell: asCode }),
-    element("div", { className: "new-page" }, element("h2", {}, "Answers"), ...questions.map(answered)));
+    ...sections.flatMap((section) => [element("h2", {}, section.title), ours("div", section.text), ...section.tasks.map(asked)]),
+    element("h2", {}, words), table([["No.", "Time", "Telegram", "Bytes"], ...packets], { name: "Packets", cell: asCode }));
   document.body.append(sheet);
   document.body.classList.add("printing");
   addEventListener("afterprint", () => {
@@ -46,14 +45,11 @@ async function packetsOf(capture, { signal, progress }) {
   return found;
 }
 
-const section = (question, ...below) =>
-  element("section", { className: "question" }, ours("h3", `${question.number}. ${question.text}`), ...below);
+const LINE = "_".repeat(24), LINES = 4; // to be filled in, of a finding
 
-const asked = (question) => section(question, ours("div", question.lead), ...question.asks.map(({ prompt, choices }) => {
-  const line = ours("p", prompt);
-  line.append(": ", choices.join(" / ") || "____________________");
-  return line;
-}));
-
-const answered = (question) => section(question,
-  element("p", {}, question.asks.map(({ accepted }) => accepted.join(" or ")).join("; ")), ours("div", question.answer));
+const asked = ({ number, text, lead, blanks }) => element("section", { className: "task" }, ours("h3", `${number}. ${text}`), ours("div", lead),
+  ...blanks.map(({ prompt, kind, choices, unit }) => {
+    const line = ours("p", prompt);
+    line.append(": ", choices.join(" / ") || `${LINE.repeat(kind === "finding" || kind === "telegram" ? LINES : 1)} ${unit}`);
+    return line;
+  }));

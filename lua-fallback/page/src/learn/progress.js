@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Keeps which questions are answered, and what is typed: in the browser, where it allows that; else until the page is
+// Keeps which tasks are done, and what is typed: in the browser, where it allows that; else until the page is
 // closed. A learner saves it as a file for a teacher.
 
 const PLACE = "sistap-course";
 const KIND = "sis-course-results"; // of a file
 
 const object = (found) => (found && typeof found === "object" && !Array.isArray(found) ? found : {});
+
+const counted = ({ answers }, ...hows) => Object.values(object(answers)).filter((one) => hows.includes(one)).length;
 
 export class Progress {
   constructor() {
@@ -16,7 +18,7 @@ export class Progress {
     } catch {
       this.storage = null;
     }
-    this.lessons = this.read(); // lesson: {answers: {question: "right" or "shown"}, typed: {field: text}}
+    this.lessons = this.read(); // lesson: {answers: {task: "right", "own" or "shown"}, typed: {field: text}}
   }
 
   read() {
@@ -46,10 +48,11 @@ export class Progress {
     }
   }
 
-  // How a question was answered: "right", or "shown" if its answer was opened before. What came first counts: returns it.
-  answer(lesson, question, how) {
-    if (!this.of(lesson).answers[question]) this.set(lesson, "answers", question, how);
-    return this.of(lesson).answers[question];
+  // How a task was done: "right", "own" of a finding that the learner judged, or "shown" if its answer was opened before.
+  // What came first counts: returns it.
+  answer(lesson, task, how) {
+    if (!this.of(lesson).answers[task]) this.set(lesson, "answers", task, how);
+    return this.of(lesson).answers[task];
   }
 
   type(lesson, field, text) {
@@ -57,15 +60,11 @@ export class Progress {
   }
 
   right(lesson) {
-    return this.counted(lesson, "right");
+    return counted(this.of(lesson), "right", "own");
   }
 
   shown(lesson) {
-    return this.counted(lesson, "shown");
-  }
-
-  counted(lesson, how) {
-    return Object.values(this.of(lesson).answers).filter((one) => one === how).length;
+    return counted(this.of(lesson), "shown");
   }
 
   // Of all lessons.
@@ -84,7 +83,7 @@ export class Progress {
   }
 }
 
-// Reads a file of results: {name, when, right(lesson)}. Throws if it is none.
+// Reads a file of results: {name, when, right(lesson), shown(lesson), typed(lesson)}. Throws if it is none.
 export function readResults(text) {
   let found;
   try {
@@ -94,6 +93,7 @@ export function readResults(text) {
   }
   if (found.kind !== KIND) throw new Error("this is no file of results: learners save one with “Save my results”");
   const lessons = object(found.lessons);
-  const counted = (lesson, how) => Object.values(object(object(lessons[lesson]).answers)).filter((one) => one === how).length;
-  return { name: String(found.name), when: String(found.when), right: (lesson) => counted(lesson, "right"), shown: (lesson) => counted(lesson, "shown") };
+  const of = (lesson) => object(lessons[lesson]);
+  return { name: String(found.name), when: String(found.when), typed: (lesson) => object(of(lesson).typed),
+    right: (lesson) => counted(of(lesson), "right", "own"), shown: (lesson) => counted(of(lesson), "shown") };
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// A telegram to change byte by byte, bit by bit, while Wireshark decodes it.
+// A telegram to change byte by byte, bit by bit, while Wireshark decodes it: to play with, or to build what a task asks for.
 
 import { button, element } from "../front/dom.js";
 import { layerOf } from "../front/items.js";
 import { Tree } from "../front/tree.js";
-import { Bench, telegramCapture } from "./bench.js";
+import { Bench, fits, telegramCapture } from "./bench.js";
 import { hex } from "./picture.js";
 
 const EXAMPLE = { protocol: "sis", bytes: [0x02, 0xc3, 0x02, 0x02, 0x10, 0x12, 0x10, 0x03, 0x00, 0x02] };
@@ -39,28 +39,48 @@ class Shown extends EventTarget {
 }
 
 // `selected()` returns the packet that is selected in the list.
-export const workbench = (selected) => new Workbench(selected).root;
+export function workbench(selected) {
+  const bench = new Workbench({ id: "telegram" });
+  bench.fill(EXAMPLE);
+  const taking = button("Take the selected packet's telegram", () => bench.take(selected()));
+  const root = element("details", { className: "tool", ontoggle: () => root.open && bench.update() },
+    element("summary", {}, "A telegram to change"), element("p", {}, "Change a byte or a bit: Wireshark decodes it at once."),
+    bench.input, element("p", { className: "tool-buttons" }, taking, " ", ...bench.tools), ...bench.parts);
+  return root;
+}
+
+// What a task asks to be built: right if Wireshark finds all its conditions in the telegram. The checksum is to be worked out.
+export function telegramField({ conditions }, { id, text, note }) {
+  const bench = new Workbench({ id, changed: note });
+  bench.fill({ protocol: "sis", bytes: readBytes(text) ?? [] });
+  const judged = async () => {
+    const bytes = readBytes(bench.input.value);
+    if (!bytes?.length) return { right: null, say: "Type the bytes of a telegram, such as 02 D9." };
+    const met = await fits(telegramCapture("sis", bytes), conditions.map(({ filter }) => filter));
+    const open = conditions.filter((_, place) => !met[place]);
+    return open.length ? { right: false, say: open[0].say } : { right: true, say: "Right." };
+  };
+  const below = element("div", { className: "built" }, ...bench.parts);
+  const root = element("div", {}, bench.input, below);
+  root.addEventListener("focusin", () => bench.update(), { once: true });
+  return { root, judged };
+}
 
 class Workbench {
-  constructor(selected) {
-    this.selected = selected;
+  constructor({ id, changed = null }) {
+    this.changed = changed;
     this.chosen = 0; // place of a byte
     this.shown = new Shown();
     this.tree = new Tree(this.shown, { onfilter: () => {} });
     this.bench = new Bench(([packet]) => this.show(packet));
     this.said = element("p", { role: "status" });
-    this.input = element("input", { type: "text", className: "telegram", spellcheck: false, "aria-label": "Bytes of a telegram, in hexadecimal",
+    this.input = element("input", { type: "text", id, className: "telegram", spellcheck: false, "aria-label": "Bytes of a telegram, in hexadecimal",
       oninput: () => this.update() });
     this.cells = element("div", { className: "cells", role: "group", "aria-label": "Bytes" });
     this.bits = element("div", { className: "bits", role: "group", "aria-label": "Bits of the byte" });
     this.lengths = button("Set the lengths", () => this.change((bytes) => bytes.length >= HEADER && (bytes[LENGTH] = bytes[REPEAT] = bytes.length - HEADER)));
-    this.fill(EXAMPLE);
-    this.root = element("details", { className: "tool", ontoggle: () => this.root.open && this.update() },
-      element("summary", {}, "A telegram to change"),
-      element("p", {}, "Change a byte or a bit: Wireshark decodes it at once."), this.input,
-      element("p", { className: "tool-buttons" }, button("Take the selected packet's telegram", () => this.take()), " ",
-        button("Set the checksum", () => this.setChecksum()), " ", this.lengths),
-      this.cells, this.bits, this.said, this.tree.root);
+    this.tools = [button("Set the checksum", () => this.setChecksum()), " ", this.lengths];
+    this.parts = [this.cells, this.bits, this.said, this.tree.root];
   }
 
   fill({ protocol, bytes }) {
@@ -69,8 +89,8 @@ class Workbench {
     this.input.value = bytes.map(hex).join(" ");
   }
 
-  take() {
-    const telegram = telegramOf(this.selected());
+  take(packet) {
+    const telegram = telegramOf(packet);
     if (telegram) {
       this.fill(telegram);
       this.update();
@@ -87,6 +107,7 @@ class Workbench {
 
   update() {
     const bytes = readBytes(this.input.value);
+    this.changed?.(this.input.value);
     if (!bytes) {
       this.said.textContent = "Bytes have two hexadecimal digits each, such as 02 D9.";
       return;
