@@ -35,7 +35,7 @@ from instructions import FEW, MANY, Instructions  # noqa: E402
 from sistap.dissected.wireshark.rows import printing  # noqa: E402
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError  # noqa: E402
 
-MORNING = HERE.parents[1] / "test-captures" / "course" / "20-a-morning.toml"
+MORNING = HERE.parents[1] / "test-captures" / "course" / "14-a-morning.toml"
 LENGTH_S = 12_600
 FIVE = ("frame.number", "frame.time_epoch", "sis.service", "sis.talker", "sis.status")
 PACKETS = 1_000_000  # of a night, at least

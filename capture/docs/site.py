@@ -39,6 +39,7 @@ CHAPTERS = {
     " capture/sisbus/scenarios/README capture/sisbus/devices/sets/README"
     " capture/docs/library",
     "Learn": "test-captures/README test-captures/course/*",
+    "Teach": "test-captures/teacher test-captures/course/solutions/*",
     "Change it": "CONTRIBUTING SECURITY CHANGELOG */DEVELOP */FILES capture/benchmark/README capture/bundle/README"
     " capture/drivers/README capture/launcher/README capture/sisbus/README capture/windows/README"
     " capture/tests/real-captures/README test-captures/fuzz/README test-captures/pages/README",

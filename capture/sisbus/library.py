@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The virtual bus for other programs: `sistap.play`, the page, completion, and the demo in Wireshark."""
+"""The virtual bus for other programs: `sistap.play`, the page, the course, completion, and the demo in Wireshark."""
 
 from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from sisbus.playing.characters import NO_FAULTS, Faults, Played
 from sisbus.scenarios.faults import Fault, Switch
 from sisbus.scenarios.scenario import DEFAULT, Playing, Scenario, load, names
+from sisbus.stations.making import make
 from sisbus.table import Table
 from sisbus.wires.place import ANY_LOCAL, serve
 from sisbus.wires.recording import Recording
@@ -20,7 +21,7 @@ from sistap.tap.files.output import Output
 from sistap.tap.records.cut import Cut
 from sistap.tap.records.record import Record
 
-__all__ = ["DEFAULT", "Live", "complete", "demo", "framing", "names"]
+__all__ = ["DEFAULT", "Live", "answer", "complete", "demo", "framing", "names"]
 
 _NO_SWITCHES: Mapping[str, Mapping[str, object]] = {}
 
@@ -28,6 +29,12 @@ _NO_SWITCHES: Mapping[str, Mapping[str, object]] = {}
 def complete() -> dict[str, Scenario]:
     """Return the built-in scenarios with masters and stations, by name."""
     return {name: scenario for name in names() if (scenario := load(name)).is_complete}
+
+
+def answer(command: bytes, addresses: Iterable[int]) -> bytes:
+    """Return the reaction of drives that were just switched on to a command; nothing if nobody answers."""
+    stations = make([{"address": address} for address in addresses], _SEED)
+    return next(filter(None, (station.react(command, 0) for station in stations)), b"")
 
 
 class Live:

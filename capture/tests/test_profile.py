@@ -115,7 +115,7 @@ def test_a_graph_of_a_value_is_the_average_of_one_parameter_of_one_station(tshar
     for row in graphs:
         assert re.fullmatch(r'sis\.talker == \d+ && sis\.parameter == "[SP]-\d-\d{4}"', row[2])
     said = tshark(
-        "course/17-wiring",
+        "course/04-bad-line-proof",
         "-T",
         "fields",
         *(f"-e{name}" for name in ("sis.talker", "sis.parameter")),
@@ -127,7 +127,7 @@ def test_a_graph_of_a_value_is_the_average_of_one_parameter_of_one_station(tshar
         if line.startswith("3\tS-0-0040\t") and (number := line.split("\t")[2])
     ]
     average = tshark(
-        "course/17-wiring", "-q", "-z", f"io,stat,0,AVG(sis.value.number)sis.value.number && {graphs[0][2]}"
+        "course/04-bad-line-proof", "-q", "-z", f"io,stat,0,AVG(sis.value.number)sis.value.number && {graphs[0][2]}"
     )
     assert len(set(found)) > 1 and f"{sum(found) / len(found):.2f}" in average
 

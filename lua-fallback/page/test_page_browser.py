@@ -28,9 +28,9 @@ from sistap.tap.sis.telegram import build
 
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(600)]
 
-CAPTURE = CAPTURES / "course" / "09-timing.pcapng"
+CAPTURE = CAPTURES / "course" / "06-timing.pcapng"
 OF_CAPTURE = ("answer", "packets", "findings", "statistics", "curve", "changes", "report", "compare", "follow")
-VIEWS = ("open", "listen", "play", "learn", "learn/glossary", *OF_CAPTURE, "learn/09-timing")
+VIEWS = ("open", "listen", "play", "learn", "learn/glossary", *OF_CAPTURE, "learn/06-timing")
 ANOTHER = CAPTURES / "accesses.pcapng"
 COMPARED = "document.querySelector('[title=Comparison]').srcdoc"
 NOTE, TROUBLE = "document.querySelector('.note')?.textContent", "document.querySelector('#trouble').textContent"
@@ -284,7 +284,7 @@ def test_a_log_can_be_compared_and_what_is_none_is_said(chromium: Chromium, tmp_
 
 def test_who_changed_what(chromium: Chromium) -> None:
     """Master 16 writes P-0-0100 of station 3 in packet 8: 01 00."""
-    choose(chromium, CAPTURES / "course" / "10-silence.pcapng")
+    choose(chromium, CAPTURES / "course" / "07-silence.pcapng")
     show_only(chromium, "changes")
     chromium.until("document.querySelector('[aria-label=Changes] td')")
     row = chromium.run("[...document.querySelectorAll('[aria-label=Changes] td')].map((one) => one.textContent)")

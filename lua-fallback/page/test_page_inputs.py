@@ -160,7 +160,7 @@ def test_a_log_of_half_a_million_lines(chromium: Chromium, tmp_path: Path) -> No
 
 
 def test_follow_shows_its_progress_and_can_be_cancelled(chromium: Chromium) -> None:
-    choose(chromium, CAPTURES / "course" / "10-silence.pcapng")
+    choose(chromium, CAPTURES / "course" / "07-silence.pcapng")
     chromium.run(
         "new MutationObserver(() => { const bar = document.querySelector('#busy progress');"
         "if (bar?.value > 0.1 && document.querySelector('.follow').children.length) globalThis.seen ??= bar.value,"

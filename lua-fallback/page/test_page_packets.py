@@ -19,7 +19,7 @@ from sistap.tap.records.record import Record, Type
 
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(600)]
 
-SILENCE = CAPTURES / "course" / "10-silence.pcapng"  # station 9 never answers
+SILENCE = CAPTURES / "course" / "07-silence.pcapng"  # station 9 never answers
 ROWS = "[...document.querySelectorAll('.packet-list .rows .row')].sort((a, b) => a.ariaRowIndex - b.ariaRowIndex)"
 SAID = "document.querySelector('#filter-said').textContent"
 

@@ -25,7 +25,7 @@ from sistap.dissected.wireshark.tshark import Tshark
 PROFILE = SCRIPT.parents[1] / "capture" / "sistap" / "profile" / "SIS" / "preferences"
 PLAYED = SCRIPT.parents[1] / "build" / "course"  # captures of lessons that the virtual bus plays
 OURS = ("sertap", "sis", "sisascii", "3964r", "rk512i", "arcnet7f", "synaxpk", "synaxpd", "synaxobj", "synaxpcp")
-TREES = 500  # of a capture; only lessons 19 and 20 have more packets
+TREES = 500  # of a capture; only lessons 13 and 14 have more packets
 # Tables that a user edits, which Lua cannot have. Of this one sis.lua reads the file, as the plugin does.
 TABLE = "uat:sis_parameters:"
 OF_LINK_TYPES = "uat:user_dlts:"  # Wireshark's own: it reads the file itself

@@ -223,7 +223,7 @@ def test_folded_lanes_stay_folded(chromium: Chromium, page: Path) -> None:
 
 def test_a_lesson_has_no_lanes(chromium: Chromium) -> None:
     """Who leaves it sees them."""
-    chromium.run("location.hash = '#learn/09-timing'")
+    chromium.run("location.hash = '#learn/06-timing'")
     chromium.until("document.querySelector('.lesson .packet-list .row.selected')")
     idle(chromium)
     assert chromium.run("document.querySelector('.lanes').offsetHeight") == 0

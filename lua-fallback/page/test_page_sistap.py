@@ -23,7 +23,7 @@ from sisbus.scenarios import scenario
 Job = dict[str, Any]
 CAPTURE = SCRIPT.parents[1] / "capture"
 # They need a library that the page has not.
-COMPARED = {"good.pcapng": "course/09-timing", "bad.pcapng": "course/10-silence"}
+COMPARED = {"good.pcapng": "course/06-timing", "bad.pcapng": "course/07-silence"}
 NEED_MORE = {f"sistap.commands.tables.{name}" for name in ("convert", "judging", "schema", "store")}
 
 pytestmark = [pytest.mark.thorough, pytest.mark.timeout(900)]
@@ -134,7 +134,7 @@ def test_a_session_that_is_packed_well(jobs: Callable[[list[Job]], list[Any]], t
         assert done["memory"] < 100_000_000
 
 
-@pytest.mark.parametrize("name", ["10-silence", "05-long-data"])
+@pytest.mark.parametrize("name", ["07-silence", "09-long-data"])
 def test_a_capture_becomes_the_same_log(name: str, jobs: Callable[[list[Job]], list[Any]], folder: Path) -> None:
     capture = (CAPTURES / "course" / f"{name}.pcapng").read_bytes()
     words = ["log", "a.pcapng", "-o", "out.txt"]
@@ -154,7 +154,7 @@ def test_a_comparison_is_the_same_page(jobs: Callable[[list[Job]], list[Any]], f
     assert b64decode(done["written"]["out.html"]).decode() == (folder / "out.html").read_text()
 
 
-@pytest.mark.parametrize("name", ["accesses", "course/10-silence", "specification"])
+@pytest.mark.parametrize("name", ["accesses", "course/07-silence", "specification"])
 def test_changes_are_the_same_table(name: str, jobs: Callable[[list[Job]], list[Any]], folder: Path) -> None:
     capture = (CAPTURES / f"{name}.pcapng").read_bytes()
     words = ["parameters", "--changes", "--csv", "a.pcapng", "-o", "out.csv"]
@@ -165,7 +165,7 @@ def test_changes_are_the_same_table(name: str, jobs: Callable[[list[Job]], list[
     assert b64decode(done["written"]["out.csv"]).decode() == (folder / "out.csv").read_text()
 
 
-@pytest.mark.parametrize("name", ["course/09-timing", "accesses", "duplex", "statistics"])
+@pytest.mark.parametrize("name", ["course/06-timing", "accesses", "duplex", "statistics"])
 def test_the_report_is_the_same_page(name: str, jobs: Callable[[list[Job]], list[Any]], folder: Path) -> None:
     capture = (CAPTURES / f"{name}.pcapng").read_bytes()
     words = ["report", "a.pcapng", "-o", "out.html"]

@@ -58,7 +58,7 @@ AS_ROOT = [
 WINDOWS = [
     Command("wireshark -C SIS", "The Wireshark Network Analyzer"),
     Command("sistap capture -i /dev/ttyUSB0 --baud auto -w - | wireshark -C SIS -k -i -", "Capturing from"),
-    Command(f"wireshark -C SIS {COURSE}/01-first-telegram.pcapng", "01-first-telegram.pcapng"),
+    Command(f"wireshark -C SIS {COURSE}/01-first-conversation.pcapng", "01-first-conversation.pcapng"),
 ]
 
 OF_README = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 
-from sisbus.library import Live, complete
+from sisbus.library import Live, answer, complete
 from sistap.commands.web.window import Window
 from sistap.dissected.captures.stream import Stream
 
@@ -25,6 +25,14 @@ SWITCHES: dict[str, dict[str, object]] = {
 def listed() -> str:
     """Return the scenarios that the page can play, as JSON: name, title, and whether faults can be switched."""
     return json.dumps([(name, one.title, not one.procedure) for name, one in complete().items()])
+
+
+WINDER = (3, 4, 5, 9)  # the drives of the course
+
+
+def answered(command: str) -> str:
+    """Return what a drive of the course answers to a command, both in hexadecimal; empty if nobody does."""
+    return answer(bytes.fromhex(command), WINDER).hex()
 
 
 class Play:

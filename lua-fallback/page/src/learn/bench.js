@@ -6,6 +6,8 @@ import { USUAL } from "../dissect/dissector.js";
 import { packets } from "../dissect/pcapng.js";
 import { startWireshark } from "../front/engine.js";
 
+const MOST = 9; // packets
+const APART_US = 20_000; // from one telegram to the next
 const MAGIC = 0xa1b2c3d4, UPPER_PDU = 252, NAME = 12; // of a capture (pcap); a dissector's name is a tag of the packet
 
 let shared = null; // a promise of the peer
@@ -19,14 +21,15 @@ function alone(act) {
   return mine;
 }
 
-// Tells of each display filter whether a packet of a capture matches.
+// Tells of each display filter whether a packet of a capture matches, and the cells of the last row.
 export function fits(bytes, filters) {
   return alone(async (peer) => {
     await peer.call("prefer", [USUAL]);
     await peer.call("open", [bytes]);
-    const found = [];
-    for (const filter of filters) found.push((await peer.call("rows", [filter, 0, 1])).matched > 0);
-    return found;
+    const { matched, rows } = await peer.call("rows", ["", 0, MOST]);
+    const met = [];
+    for (const filter of filters) met.push((await peer.call("rows", [filter, 0, 1])).matched > 0);
+    return { met, cells: matched ? rows.at(-1).cells : [] };
   });
 }
 
@@ -60,15 +63,17 @@ export class Bench {
   }
 }
 
-// A capture with one telegram of a protocol, without a tap. The length of a name is a multiple of four.
-export function telegramCapture(protocol, telegram) {
+// A capture with telegrams of a protocol, without a tap. The length of a name is a multiple of four.
+export function telegramCapture(protocol, ...telegrams) {
   const name = new TextEncoder().encode(protocol.padEnd(4 * Math.ceil((protocol.length + 1) / 4), "\0"));
-  const packet = new Uint8Array([0, NAME, 0, name.length, ...name, 0, 0, 0, 0, ...telegram]);
-  const bytes = new Uint8Array(40 + packet.length), data = new DataView(bytes.buffer);
-  [MAGIC, 0x00020004, 0, 0, 0x40000, UPPER_PDU, 0, 0, packet.length, packet.length].forEach((word, place) => data.setUint32(4 * place, word));
-  bytes.set(packet, 40);
-  return bytes;
+  const head = words(MAGIC, 0x00020004, 0, 0, 0x40000, UPPER_PDU);
+  return Uint8Array.from([...head, ...telegrams.flatMap((telegram, place) => {
+    const packet = [0, NAME, 0, name.length, ...name, 0, 0, 0, 0, ...telegram];
+    return [...words(0, place * APART_US, packet.length, packet.length), ...packet];
+  })]);
 }
+
+const words = (...numbers) => numbers.flatMap((number) => [24, 16, 8, 0].map((shift) => (number >>> shift) & 0xff));
 
 // A capture whose packets can be changed where Wireshark says that a field is.
 export class Editable {

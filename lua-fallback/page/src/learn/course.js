@@ -4,12 +4,14 @@
 import { askForget } from "../front/dialogs.js";
 import { button, element, plural, save, table } from "../front/dom.js";
 import { visible } from "../front/files.js";
+import { printCertificate, undone } from "./certificate.js";
 import { ours } from "./ours.js";
 import { readResults } from "./progress.js";
 
 const WORDS = `One machine, one week: each lesson is a problem at the winder. Read, predict, open the packets, build, and prove. What \
 you type is checked at once.`;
-const WEEK = 14; // lessons; those after it show other roads to a drive
+const DAYS = [["Monday", 3], ["Tuesday", 3], ["Wednesday", 3], ["Thursday", 3], ["Friday", 2]]; // and how many lessons
+const WEEK = DAYS.reduce((sum, [, count]) => sum + Number(count), 0); // lessons after it show other roads to a drive
 
 const tasksOf = ({ sections }) => sections.flatMap(({ tasks }) => tasks);
 
@@ -22,26 +24,31 @@ export function courseList({ lessons, papers }, progress, showing) {
   root.append(element("h1", {}, "A course to do"), element("p", {}, WORDS),
     element("p", {}, `${right} of ${count} tasks done.`,
       progress.isKept ? "" : " This browser does not let the page keep your progress.", ...links),
-    element("ol", { className: "lessons" }, ...lessons.slice(0, WEEK).map((lesson) => item(lesson, progress))),
-    element("h2", {}, "Other roads"),
-    element("ol", { className: "lessons", start: WEEK + 1 }, ...lessons.slice(WEEK).map((lesson) => item(lesson, progress))),
-    element("h2", {}, "Results"), ...ofLearner(progress, renew), ...ofTeacher(lessons, showing));
+    ...byDays(lessons).flatMap(([day, ofDay]) => [element("h2", {}, day),
+      element("ul", { className: "lessons" }, ...ofDay.map((lesson) => item(lesson, progress)))]),
+    element("h2", {}, "Results"), ...ofLearner(lessons.slice(0, WEEK), progress, renew), ...ofTeacher(lessons, showing));
   return root;
+}
+
+function byDays(lessons) {
+  let begin = 0;
+  return [...DAYS, ["Other roads", lessons.length]].map(([day, count]) => [day, lessons.slice(begin, begin += Number(count))]);
 }
 
 function item(lesson, progress) {
   const { name, title, aim, minutes } = lesson;
   const right = progress.right(name), count = tasksOf(lesson).length;
   return element("li", {},
-    element("a", { href: `#learn/${name}` }, title.replace(/^\d+\. /, "")), " ",
+    element("a", { href: `#learn/${name}` }, title), " ",
     element("progress", { max: count, value: right, "aria-label": "Tasks done" }), " ",
     element("small", {}, `${right} of ${count}, ${minutes} minutes`), ours("p", aim));
 }
 
-function ofLearner(progress, renew) {
-  const name = element("input", { type: "text", id: "learner" });
+function ofLearner(week, progress, renew) {
+  const name = element("input", { type: "text", id: "learner" }), left = undone(week, progress, tasksOf);
   const fileName = () => `results ${name.value.replace(/[^\p{L}\p{M}\p{N}_ -]/gu, "_") || "of somebody"}.json`;
   return [element("p", { className: "form-line" }, element("label", { htmlFor: "learner" }, "Your name"), name,
+    button("Print a certificate", () => printCertificate(name.value, week, progress, tasksOf), left ? { disabled: true, title: `${plural(left, "task")} of the week left` } : {}),
     button("Save my results", () => save(fileName(), progress.results(name.value), "application/json")),
     button("Forget my progress", () => askForget(plural(progress.answers, "answer"), () => {
       progress.forget();

@@ -32,18 +32,29 @@ export class Lesson {
   async open() {
     const { lesson, capture, showing, gate } = this;
     const text = element("article", { className: "lesson-text" }, this.navigation(), ours("h1", lesson.title), this.state,
-      ...busOf(lesson, capture, showing), ours("div", lesson.text), ...lesson.sections.flatMap((section) => this.section(section)),
+      ...busOf(lesson, capture, showing), ours("div", lesson.text), ...lesson.sections.map((section) => this.section(section)),
       gate.guard(this.tools()), ours("div", lesson.end));
     this.root.replaceChildren(element("div", { className: "lesson" }, text,
       element("aside", { "aria-label": "Packets of the lesson" }, gate.root, this.packetsView)));
-    explain(text);
-    linkText(text, { capture, showing, applyFilter: this.applyFilter });
-    await this.openPart(fileOf(lesson), lesson.capture);
     this.tell();
+    await this.openPart(this.whole);
   }
 
-  // The capture of the lesson, or that of its section Prove: there nothing is judged.
-  async openPart(name, encoded, { isRaw = false } = {}) {
+  // The capture of the lesson, and that of its section Prove: there nothing is judged.
+  get whole() {
+    return { name: fileOf(this.lesson), encoded: this.lesson.capture, isRaw: false };
+  }
+
+  get raw() {
+    return { name: `${this.lesson.name}-proof.pcapng`, encoded: this.lesson.proof, isRaw: true };
+  }
+
+  link(text, part) {
+    const opened = () => this.capture.name !== part.name && this.openPart(part);
+    linkText(text, { capture: this.capture, showing: this.showing, applyFilter: this.applyFilter, opened });
+  }
+
+  async openPart({ name, encoded, isRaw }) {
     await this.capture.live?.stop();
     this.packetsView.classList.toggle("raw", isRaw);
     const { preferences } = this.lesson;
@@ -54,23 +65,26 @@ export class Lesson {
   section({ title, text, tasks }) {
     const { name, proof } = this.lesson;
     const isProof = title === "Prove" && proof;
-    const opened = isProof ? `${name}-proof.pcapng` : fileOf(this.lesson);
-    const open = () => this.showing(() => this.openPart(opened, proof, { isRaw: true }));
-    return [ours("h2", title, { id: title.toLowerCase().replace(/ /g, "-") }), ours("div", text),
-      ...(isProof ? [button("Open its raw capture", open)] : []),
+    const part = isProof ? this.raw : this.whole;
+    const made = element("section", {}, ours("h2", title, { id: title.toLowerCase().replace(/ /g, "-") }), ours("div", text),
+      ...(isProof ? [button("Open its raw capture", () => this.showing(() => this.openPart(part)))] : []),
       ...(title === "Predict" && name in MOVING ? [this.moving()] : []),
-      ...tasks.map((task) => this.task(task, opened))];
+      ...tasks.map((task) => this.task(task, part)));
+    explain(made);
+    this.link(made, part);
+    return made;
   }
 
-  task(task, opened) {
+  task(task, part) {
     const { capture, progress, showing, lesson: { name } } = this;
     const matched = async (filter) => {
-      if (capture.name !== opened) throw new Error(`Open ${opened} first.`);
+      if (capture.name !== part.name) throw new Error(`Open ${part.name} first.`);
       return (await (await capture.viewer).call("rows", [filter, 0, 1])).matched;
     };
     return taskOf(task, {
       kept: progress.of(name).typed, matched, showing,
       typed: (field, text) => progress.type(name, field, text),
+      linked: (text) => this.link(text, part),
       told: (how) => {
         const counts = progress.answer(name, task.number, how);
         this.tell();

@@ -3,21 +3,29 @@
 
 import { button, element, find } from "../front/dom.js";
 
-export function linkText(text, { capture, showing, applyFilter }) {
+// `opened` opens the capture that the text is about, unless it is open.
+export function linkText(text, { capture, showing, applyFilter, opened }) {
   const linked = (code, act, title) => code.replaceWith(button(code.textContent, act, { className: "link code", title }));
   for (const link of text.querySelectorAll("a.packet")) {
     link.addEventListener("click", (event) => {
       event.preventDefault();
-      showing(() => capture.goTo(Number(link.textContent)));
+      showing(async () => {
+        await opened();
+        await capture.goTo(Number(link.textContent));
+      });
     });
   }
   for (const row of text.querySelectorAll("table.filter.packets tbody tr")) {
     const code = find("code", row), filter = code.textContent;
-    linked(code, () => applyFilter(filter, { stays: true }), "Use this filter");
+    linked(code, () => showing(async () => {
+      await opened();
+      applyFilter(filter, { stays: true });
+    }), "Use this filter");
   }
   for (const row of text.querySelectorAll("table.packet.field tbody tr")) {
     const number = Number(row.cells[0].textContent), code = find("code", row), field = code.textContent;
     linked(code, () => showing(async () => {
+      await opened();
       await capture.goTo(number);
       capture.dispatchEvent(new CustomEvent("wanted", { detail: field }));
     }), `Show it in packet ${number}`);

@@ -15,9 +15,14 @@ const BYTES = 3; // the column
 export async function printLesson({ title, text, sections }, capture) {
   const packets = await capture.long("Preparing the print", (options) => packetsOf(capture, options));
   const words = packets.length < capture.packets ? `The first ${packets.length} of ${capture.packets} packets` : "All packets";
-  const sheet = element("div", { className: "print-only" }, ours("h1", title), ours("div", text),
+  printed(ours("h1", title), ours("div", text),
     ...sections.flatMap((section) => [element("h2", {}, section.title), ours("div", section.text), ...section.tasks.map(asked)]),
     element("h2", {}, words), table([["No.", "Time", "Telegram", "Bytes"], ...packets], { name: "Packets", cell: asCode }));
+}
+
+// Prints what the page does not show.
+export function printed(...parts) {
+  const sheet = element("div", { className: "print-only" }, ...parts);
   document.body.append(sheet);
   document.body.classList.add("printing");
   addEventListener("afterprint", () => {

@@ -13,14 +13,17 @@ const FORMS = {
 
 // `kept` is what was typed before, by the name of a field; `matched(filter)` says how many packets a filter leaves;
 // `told` is called with "right", "own" (the learner judged a finding) or "shown" and returns what counts; `typed` is called
-// with a field and its text.
-export function taskOf({ number, text, lead, hint, solution, blanks }, { kept, matched, showing, told, typed }) {
+// with a field and its text, `linked` with a text whose packets are to be one click away.
+export function taskOf({ number, text, lead, hint, solution, blanks }, { kept, matched, showing, told, typed, linked }) {
   const begin = ours("div", lead);
   const fields = blanks.map((blank, place) => fieldOf(blank, `blank-${number}-${place}`, { kept, matched, typed, begin }));
   const verdict = element("p", { className: "verdict", role: "status" });
   const shown = element("details", { className: "answer", ontoggle: () => {
     if (!shown.open) return;
-    if (shown.children.length === 1) shown.append(element("ul", {}, ...blanks.filter(({ accepted }) => accepted.length).map(acceptedOf)), ours("div", solution));
+    if (shown.children.length === 1) {
+      shown.append(element("ul", {}, ...blanks.filter(({ accepted }) => accepted.length).map(acceptedOf)), ours("div", solution));
+      linked(shown);
+    }
     if (!isRight) told("shown");
   } }, element("summary", {}, "Show the answer"));
   let isRight = false;
@@ -83,7 +86,7 @@ function chosen(blank, { id, text, note, said, matched }) {
 
 function written(blank, { id, text, note, said, matched }) {
   const { kind, unit } = blank;
-  const input = element("input", { type: "text", id, className: kind, value: text, spellcheck: false, autocapitalize: "off",
+  const input = element("input", { type: "text", id, className: `as-${kind}`, value: text, spellcheck: false, autocapitalize: "off",
     "aria-describedby": said.id, oninput: () => note(input.value) });
   const label = labelOf(blank, id);
   label.append(" ", element("small", {}, `(${FORMS[kind]}${unit ? ` of ${unit}` : ""})`));

@@ -2,12 +2,14 @@
 // A telegram to change byte by byte, bit by bit, while Wireshark decodes it: to play with, or to build what a task asks for.
 
 import { button, element } from "../front/dom.js";
-import { layerOf } from "../front/items.js";
+import { asHex, layerOf } from "../front/items.js";
+import { callTap } from "../front/tap.js";
 import { Tree } from "../front/tree.js";
 import { Bench, fits, telegramCapture } from "./bench.js";
 import { hex } from "./picture.js";
 
 const EXAMPLE = { protocol: "sis", bytes: [0x02, 0xc3, 0x02, 0x02, 0x10, 0x12, 0x10, 0x03, 0x00, 0x02] };
+const INFO = 2; // the column of the profile that tells the telegram
 const HEADER = 8, LENGTH = 2, REPEAT = 3; // of SIS
 const SUM = /^(?:Checksum|Block check character): .*should be 0x([0-9a-f]{2})/;
 
@@ -49,18 +51,22 @@ export function workbench(selected) {
   return root;
 }
 
-// What a task asks to be built: right if Wireshark finds all its conditions in the telegram. The checksum is to be worked out.
-export function telegramField({ conditions }, { id, text, note }) {
+// What a task asks to be built: right if Wireshark finds all its conditions in the telegram. The checksum is to be worked
+// out. If the kind says so (`unit`), a drive of the virtual bus answers, and its reaction counts, too.
+export function telegramField({ conditions, unit }, { id, text, note }) {
   const bench = new Workbench({ id, changed: note });
+  const heard = element("p", { className: "heard", role: "status" });
   bench.fill({ protocol: "sis", bytes: readBytes(text) ?? [] });
   const judged = async () => {
     const bytes = readBytes(bench.input.value);
     if (!bytes?.length) return { right: null, say: "Type the bytes of a telegram, such as 02 D9." };
-    const met = await fits(telegramCapture("sis", bytes), conditions.map(({ filter }) => filter));
+    const reaction = unit === "answered" ? readBytes(await callTap("answered", [asHex(bytes)])) : [];
+    const { met, cells } = await fits(telegramCapture("sis", bytes, ...(reaction.length ? [reaction] : [])), conditions.map(({ filter }) => filter));
+    if (unit === "answered") heard.textContent = reaction.length ? `A drive answers: ${asHex(reaction).toUpperCase()}  ${cells[INFO]}` : "No drive answers.";
     const open = conditions.filter((_, place) => !met[place]);
     return open.length ? { right: false, say: open[0].say } : { right: true, say: "Right." };
   };
-  const below = element("div", { className: "built" }, ...bench.parts);
+  const below = element("div", { className: "built" }, ...bench.parts, heard);
   const root = element("div", {}, bench.input, below);
   root.addEventListener("focusin", () => bench.update(), { once: true });
   return { root, judged };

@@ -126,6 +126,11 @@ export class Sistap {
     return this.using("sistap.commands.web.play", (play) => JSON.parse(play.listed()));
   }
 
+  // What a drive of the course answers to a command, in hexadecimal; empty if nobody does.
+  answered(command) {
+    return this.using("sistap.commands.web.play", (play) => play.answered(command));
+  }
+
   // Begins to play a scenario, or one in a text; then `step` plays up to a time in s.
   play(name, seed, text = "") {
     if (text) this.python.FS.writeFile(`${WORK}/${name}`, text);

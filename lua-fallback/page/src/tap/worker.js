@@ -14,7 +14,7 @@ import { OWN_FILES, Sistap } from "./sistap.js";
 const NOWHERE = "https://python.invalid/"; // nothing is fetched there: see below
 
 // Calls of Sistap that need no task.
-const PLAIN = ["scenarios", "play", "listen", "switch", "step", "window", "end"];
+const PLAIN = ["scenarios", "answered", "play", "listen", "switch", "step", "window", "end"];
 
 let sistap, startWireshark;
 
