@@ -9,9 +9,7 @@ from base64 import b64decode
 from pathlib import Path
 
 import pytest
-from sharkd import Sharkd
 
-from lesson import recording
 from pages import HERE, markdown, tasks
 from pages.content import content, in_page, lessons
 
@@ -25,8 +23,6 @@ READABLE = {
     "choice": r"\S.*",
     "telegram": r"[0-9A-F]{2}( [0-9A-F]{2})*",
 }
-
-SHORT = [lesson for lesson in LESSONS if not recording(lesson.path)]
 
 
 @pytest.mark.attack("HTML in a lesson, on a line that folds", "shown as text")
@@ -55,21 +51,6 @@ def test_no_lesson_of_the_page_needs_a_terminal(lesson: tasks.Lesson) -> None:
     text = "\n".join(map(in_page, [lesson.head, *(section.text for section in lesson.sections), *asked, lesson.end]))
     told = re.findall(r"python3|\bpy -m|\bcd \w|wireshark -C|Command Prompt|<!--|-->|[Tt]erminals?\b", text)
     assert not told or (lesson.path.stem == "17-typed-by-hand" and {word.lower() for word in told} == {"terminal"})
-
-
-ANSWERED = [
-    (lesson.proof if section.title == tasks.PROVE else lesson.path.with_suffix(".pcapng"), expression)
-    for lesson in SHORT
-    for section in lesson.sections
-    for task in section.tasks
-    for blank in task.blanks
-    if blank.kind == "filter"
-    for expression in blank.accepted
-]
-
-
-def test_filters_of_answers_leave_something(sharkd: Sharkd) -> None:
-    assert [answer for answer in ANSWERED if not sharkd.frames(*answer)] == []
 
 
 def lesson_of(folder: Path, body: str, solution: str) -> tasks.Lesson:
