@@ -70,6 +70,13 @@ class Page:
             raise ValueError(f"outside the page: {words}")
         self._add("text", **{"x": x, "y": y, "font_size": size, "fill": BLACK, **attributes}).text = words
 
+    def place(self, other: Page, x: float, y: float, scale: float) -> None:
+        """Draw another page on this one, larger or smaller. ValueError if it leaves this one."""
+        if x + other.width * scale > self.width or y + other.height * scale > self.height:
+            raise ValueError("outside the page: another page")
+        group = self._add("g", transform=f"translate({x:g} {y:g}) scale({scale:g})")
+        group.extend(list(other._root)[1:])
+
     def area(self, x: float, y: float, wide: float, high: float, fill: str) -> None:
         """Fill a rectangle."""
         self._add("rect", x=x, y=y, width=wide, height=high, fill=fill)

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Makes the poster for the wall, course/poster.svg: a telegram in colours, its checksum, filters, times, wiring.
+"""Makes two posters: course/poster.svg for the hand, with a telegram in colours, its checksum, filters, times, wiring,
+and course/wall-chart.svg, a telegram and the wiring in letters that can be read from two metres.
 
-    python3 poster.py          write poster.svg
-    python3 poster.py --pdf    and poster-a3.pdf, poster-a4.pdf (needs rsvg-convert, and the font Liberation Sans)
+    python3 poster.py          write both
+    python3 poster.py --pdf    and poster-a3.pdf, poster-a4.pdf, wall-chart.pdf (printing.py says what that needs)
 
 The colours are those of `sistap annotate` and the pages of the course; filters are the buttons of Wireshark's profile.
 """
@@ -11,20 +12,22 @@ The colours are those of `sistap annotate` and the pages of the course; filters 
 from __future__ import annotations
 
 import argparse
-import hashlib
-import subprocess
-import sys
 from collections.abc import Sequence
+from itertools import groupby
 from pathlib import Path
 
-from drawing import BLACK, WHITE, Column, Page, wrapped
+import wiring
+from drawing import BLACK, Column, Page, wrapped
 from pages.profile import buttons
+from printing import digest, pdf
 from sistap.commands.annotate.page import KINDS
 
 SVG = Path(__file__).parent / "course" / "poster.svg"
+CHART = SVG.with_name("wall-chart.svg")
 SHEETS = {"a3": 1.0, "a4": 297 / 420}
 
 SIZE = 4.6  # of most of the text, in mm
+FILTER_SIZE = 3.9
 MARGIN = 12.0
 BYTE = 26.4  # how wide a byte is drawn
 CHARACTER = 5.0  # how long a character is in the time diagram
@@ -35,11 +38,14 @@ HEADER = ("Start", "Checksum", "Length", "Length again", "Control", "Service", "
 HEADER_KINDS = ("frame", "frame", "frame", "frame", "control", "service", "address", "address")
 OBJECT = ("Parameter control", "Device")
 COMMAND = "02 6E 05 05 00 10 10 03 3C 03 00 24 00"
-COMMAND_BODY = (*OBJECT, "Type: S or P", "Number, low byte", "Number, high byte")
+COMMAND_BODY = (*OBJECT, "Type 0: drive", "Number, low byte", "Number, high byte")
 COMMAND_KINDS = ("object",) * 5
 REACTION = "02 D0 07 07 10 10 10 03 00 3C 03 80 96 98 00"
 REACTION_BODY = ("Status: good", *OBJECT, "Data, low byte", "Data", "Data", "Data, high byte")
 REACTION_KINDS = ("status", "object", "object", "data", "data", "data", "data")
+
+# Chapter 2.3: the contents of a telegram are a useful data header and useful data.
+PARTS = {"status": "useful data header", "object": "useful data header", "data": "useful data"}
 
 DEAD_BUS = (
     ("1", "Is anything there? sistap ports names the adapters, sistap doctor says what is missing."),
@@ -58,10 +64,13 @@ WIRING = (
 TIMES = (
     ("TzA", "longest interval from character to character. A longer one does not end the telegram."),
     ("TrS", "from the last character of the command to the first of the reaction."),
-    ("TwM", "wait of the master before it sends a command again."),
-    ("Limits", "are set by service 03 and valid after its FF. There are no default values."),
-    ("Character", "11 bits (8E1): 1.146 ms at 9600 Bd, 0.0955 ms at 115200 Bd."),
+    ("TwM", "how long the master waits before it sends a command again."),
+    ("Limits", "TzA and TrS have no default values. Service 03 sets them; its FF makes them valid."),
+    ("Rate", "9600 Bd after switching on. A character of 11 bits (8E1) takes 1.146 ms then."),
 )
+BESIDE = ("Type 1 and 2: parameters", "of a control. Bit 15 of the", "number: 0 is S, 1 is P.")
+# Of the wall chart: plug, pins.
+PLUGS = (("9-pin", "3 is B (+), 8 is A (-), 5 is ground"), ("15-pin", "4 is +, 5 is -, 7 and 10 are ground"))
 
 
 def tint(kind: str) -> str:
@@ -75,16 +84,22 @@ def row(pairs: str, body: Sequence[str], kinds: Sequence[str]) -> list[Byte]:
     return list(zip(pairs.split(), (*HEADER, *body), (*HEADER_KINDS, *kinds), strict=True))
 
 
-def telegram(page: Page, y: float, words: str, bytes_: Sequence[Byte]) -> None:
-    """Draw the bytes of a telegram from the left to the right."""
-    page.text(MARGIN, y, words, 4.6, font_weight="bold")
+def telegram(page: Page, y: float, words: str, bytes_: Sequence[Byte], size: float = 3.6) -> None:
+    """Draw the bytes of a telegram from the left to the right, and its parts below. The size is that of the names."""
+    page.text(MARGIN, y, words, max(size, 4.6), font_weight="bold")
     for number, (pair, name, kind) in enumerate(bytes_):
         left = MARGIN + BYTE * number
         page.area(left, y + 2, BYTE - 1, 12, tint(kind))
         page.line(left, y + 14, left + BYTE - 1, y + 14, stroke=KINDS[kind][1], stroke_width=1)
         page.text(left + BYTE / 2, y + 11.2, pair, 9, text_anchor="middle", font_weight="bold")
-        for place, line in enumerate(wrapped(name, 3.6, BYTE - 1)):
-            page.text(left + BYTE / 2, y + 19 + 4 * place, line, 3.6, text_anchor="middle")
+        for place, line in enumerate(wrapped(name, size, BYTE - 1)):
+            page.text(left + BYTE / 2, y + 15 + size * (1.1 + 1.1 * place), line, size, text_anchor="middle")
+    left, below = MARGIN, y + 15 + 2.75 * size
+    for part, group in groupby(PARTS.get(kind, "header") for _, _, kind in bytes_):
+        right = left + BYTE * len(list(group))
+        page.line(left, below, right - 1, below, stroke_width=0.5)
+        page.text((left + right) / 2, below + 1.05 * size, part, size, text_anchor="middle")
+        left = right
 
 
 def key(page: Page, y: float) -> None:
@@ -114,7 +129,8 @@ def columns(page: Page, top: float, bottom: float) -> None:
     """Write what stands in three columns."""
     wide, gap = 128.0, 6.0
     first, second, third = (
-        Column(page, MARGIN + (wide + gap) * place, (top, bottom), wide, SIZE) for place in range(3)
+        Column(page, MARGIN + (wide + gap) * place, (top, bottom), wide, size)
+        for place, size in enumerate((SIZE, SIZE, FILTER_SIZE))
     )
     first.heading("The checksum of the command, with a pencil")
     first.rows(checksum_steps(COMMAND), 23)
@@ -123,9 +139,7 @@ def columns(page: Page, top: float, bottom: float) -> None:
     second.heading("Five minutes at a dead bus")
     second.rows(DEAD_BUS, 7)
     third.heading("Buttons of the profile, and what to type instead")
-    for word, expression, _ in buttons():
-        begin, *more = expression.split(" || ")
-        third.rows([(word, f"{begin} || ..." if more and len(expression) >= 60 else expression)], 31)
+    third.rows([(word, expression) for word, expression, _ in buttons()], 27)
     third.heading("Filters to begin with")
     third.rows(
         [
@@ -134,26 +148,8 @@ def columns(page: Page, top: float, bottom: float) -> None:
             ("Slow", "sis.reaction_time > 0.05"),
             ("Commands", "sis.control.reaction == 0"),
         ],
-        31,
+        27,
     )
-
-
-def bus(page: Page, x: float, y: float) -> None:
-    """Draw a bus: two wires, a resistor at both ends, stations, and the tap."""
-    page.line(x + 6, y, x + 116, y, stroke=KINDS["address"][1], stroke_width=0.6)
-    page.line(x + 6, y + 6, x + 116, y + 6, stroke=KINDS["service"][1], stroke_width=0.6)
-    page.text(x, y + 1.2, "B", SIZE, font_weight="bold")
-    page.text(x, y + 7.2, "A", SIZE, font_weight="bold")
-    for left in (x + 8, x + 112):
-        page.box(left, y, 2, 6)
-    page.text(x + 12, y - 1.5, "120 ohms", 3.3)
-    page.text(x + 110, y - 1.5, "120 ohms", 3.3, text_anchor="end")
-    for number, words in enumerate(("master", "drive 3", "drive 4", "tap")):
-        left = x + 18 + 24.5 * number
-        page.line(left + 5, y, left + 5, y + 11, stroke=KINDS["address"][1], stroke_width=0.4)
-        page.line(left + 12, y + 6, left + 12, y + 11, stroke=KINDS["service"][1], stroke_width=0.4)
-        page.box(left, y + 11, 18, 7, tint("object") if words == "tap" else WHITE)
-        page.text(left + 9, y + 15.8, words, SIZE, text_anchor="middle")
 
 
 def characters(page: Page, x: float, y: float, words: str, places: Sequence[int]) -> list[float]:
@@ -192,18 +188,20 @@ def poster() -> str:
     words = "Bytes are hexadecimal, addresses decimal. Two bytes and more: low byte first."
     page.text(408, 13, words, SIZE, text_anchor="end")
     words = "Command: station 16 asks drive 3 for the value of S-0-0036"
-    telegram(page, 27, words, row(COMMAND, COMMAND_BODY, COMMAND_KINDS))
+    telegram(page, 26, words, row(COMMAND, COMMAND_BODY, COMMAND_KINDS))
     telegram(
         page,
-        57,
+        61.5,
         "Reaction: drive 3 answers; the addresses are those of the command, bit 4 of the control tells it apart",
         row(REACTION, REACTION_BODY, REACTION_KINDS),
     )
-    key(page, 88)
-    columns(page, 93, 222)
-    bus(page, 146, 190)
-    timing(page, MARGIN, 230)
-    Column(page, 284, (228, 294), 126, SIZE).rows(TIMES, 27)
+    for number, line in enumerate(BESIDE):
+        page.text(MARGIN + BYTE * len(COMMAND.split()) + 2, 32 + 4.5 * number, line, 3.9)
+    key(page, 97)
+    columns(page, 100, 226)
+    wiring.bus(page, 158, ("master", "drive 3", "drive 4", "tap"), y=185, pitch=27)
+    timing(page, MARGIN, 238)
+    Column(page, 284, (229, 295), 126, SIZE).rows(TIMES, 27)
     return page.svg()
 
 
@@ -212,25 +210,39 @@ def sized(svg: str, scale: float) -> str:
     return svg.replace('width="420mm" height="297mm"', f'width="{420 * scale:g}mm" height="{297 * scale:g}mm"', 1)
 
 
-def digest(svg: str) -> str:
-    """Return the last line of the PDF: which SVG it was made from. Readers of PDF pass it over."""
-    return f"% poster.svg {hashlib.sha256(svg.encode()).hexdigest()}\n"
+def wall_chart() -> str:
+    """Make the chart, A1: a telegram, and the wiring with its ground."""
+    telegrams = Page(420, 80, "")
+    telegram(telegrams, 6, "Command: station 16 to drive 3", row(COMMAND, COMMAND_BODY, COMMAND_KINDS), 4.3)
+    telegram(telegrams, 46.5, "Reaction of drive 3", row(REACTION, REACTION_BODY, REACTION_KINDS), 4.3)
+    page = Page(841, 594, "The SIS telegram and the wiring of its bus")
+    page.area(0, 0, 841, 60, tint("service"))
+    page.text(24, 43, "The SIS telegram", 34, font_weight="bold")
+    page.place(telegrams, 0, 66, 2)
+    page.text(24, 256, "All bytes together end in 00. Lengths count the bytes after the eighth. Low byte first.", 16)
+    page.area(0, 276, 841, 60, tint("address"))
+    page.text(24, 319, "Two wires and ground", 34, font_weight="bold")
+    page.place(wiring.rs485(), 0, 362, 2.8)
+    for number, (plug, pins) in enumerate(PLUGS):
+        page.text(486, 412 + 58 * number, plug, 20, font_weight="bold")
+        page.text(486, 432 + 58 * number, pins, 16)
+    words = "A resistor of 120 ohms at both ends, and nowhere else. A tap connects + to +, - to -, ground to ground."
+    page.text(24, 560, words, 14)
+    return page.svg()
 
 
 def main() -> None:
-    """Write the poster."""
+    """Write the posters."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--pdf", action="store_true", help="also write the PDFs")
     arguments = parser.parse_args()
-    svg = poster()
-    SVG.write_text(svg)
-    for name, scale in SHEETS.items() if arguments.pdf else ():
-        try:
-            command = ["rsvg-convert", "--format=pdf"]
-            pdf = subprocess.run(command, check=True, input=sized(svg, scale).encode(), stdout=subprocess.PIPE).stdout
-        except (OSError, subprocess.CalledProcessError) as error:
-            sys.exit(f"poster.py: {error}; rsvg-convert is in the package librsvg2-bin")
-        SVG.with_name(f"poster-{name}.pdf").write_bytes(pdf + digest(svg).encode())
+    drawn = poster()
+    papers = {CHART: wall_chart()}
+    papers |= {SVG.with_name(f"poster-{name}.svg"): sized(drawn, scale) for name, scale in SHEETS.items()}
+    SVG.write_text(drawn)
+    CHART.write_text(papers[CHART])
+    for path, svg in papers.items() if arguments.pdf else ():
+        path.with_suffix(".pdf").write_bytes(pdf(svg) + digest(svg).encode())
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 """Makes the telegram on one page, course/sheet.svg, from the tables of plugin/protocol/codes.toml.
 
     python3 sheet.py          write sheet.svg
-    python3 sheet.py --pdf    and sheet.pdf from it (needs rsvg-convert, and the font Liberation Sans)
+    python3 sheet.py --pdf    and sheet.pdf from it (printing.py says what that needs)
 
 The texts of codes are those of the tables. Which of them stand here, and what is no table, is said below.
 """
@@ -11,14 +11,13 @@ The texts of codes are those of the tables. Which of them stand here, and what i
 from __future__ import annotations
 
 import argparse
-import hashlib
 import re
-import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from drawing import PALE, WHITE, Column, Page
+from printing import digest, pdf
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "plugin" / "protocol"))
@@ -29,8 +28,9 @@ TABLES = Description().tables
 SVG = HERE / "course" / "sheet.svg"
 
 PRODUCTS = re.compile(r" \((ECODRIVE|SYNAX)\)$")
+HALTS = re.compile(r"^(Shutdown|Reboot) ")
 
-SIZE = 2.75  # of most texts, in mm
+SIZE = 2.55  # of most texts, in mm
 CHARACTER = 2.2  # width of a character in the timing diagram
 
 # Chapter 2.2. The bytes above the line are always there.
@@ -47,7 +47,7 @@ HEADER = (
 ANNOUNCED = (
     ("", "Subaddresses", "as many as control bits 0-2 say"),
     ("", "Telegram no.", "if control bit 3 is set"),
-    ("", "Useful data", "reaction: status byte first"),
+    ("", "Contents", "useful data header, useful data"),
 )
 EXAMPLE = (
     "02 D9 00 00 00 12 10 03: station 16 asks station 3 for its phase.    "
@@ -60,8 +60,7 @@ CONTROL = (
     ("3", "a telegram number follows them"),
     ("4", "0 command, 1 reaction"),
     ("5", "reserved"),
-    ("6", "the sender has a system warning"),
-    ("7", "the sender has a system error"),
+    ("6, 7", "system warning, system error of the sender"),
 )
 
 # Fig. 2-9; decimal. The kinds are those of the table.
@@ -90,16 +89,18 @@ ATTRIBUTE = (
     ("28-30", "write-protected in phase 2, 3, 4"),
 )
 
-# Those that matter for setting up a machine; the others follow the rule beside them.
-PARAMETER_ERRORS = (0x0001, 0x1001, 0x7002, 0x7003, 0x7004, 0x7005, 0x7006, 0x7007, 0x7008, 0x8001, 0x800C)
-FLASH_ERRORS = (0x9004, 0x9102, 0x940A, 0x96E0, 0x96E1, 0x9701, 0x9702)
+# What the last digit of an error code of parameters means, from element 1 on; the others stand beside it.
+DIGITS = {1: "not available", 2: "transmitted too short", 3: "transmitted too long", 4: "cannot be changed"}
+DIGITS |= {5: "write-protected at present"}
+RULED = re.compile("0x[1-7]00[1-5]")
 
 TIMES = (
     "TzA: longest interval from character to character. A longer one does not end the telegram.",
     "TrS: time in which the reaction is expected, from the last character of the command.",
-    "TwM: wait of the master before it repeats, and after a command to many.",
+    "TwM: how long the master waits before it repeats, and after a command to many.",
     "Tmas: longest time between two master control words while the machine moves.",
-    "TzA, TrS, Tmas and the rate are set by service 03, valid after its FF, without default values.",
+    "TzA, TrS and Tmas have no default values. A bus begins with 9600 Bd after switching on.",
+    "Service 03 sets times and rate; its subservice FF makes them valid.",
 )
 STARTS = "After a silence longer than TzA a receiver looks for a start. A slave never speaks first."
 
@@ -114,22 +115,31 @@ def code(entry: Code) -> str:
     return entry.key.replace("0x", "")
 
 
-def rows(name: str, *wanted: int) -> list[tuple[str, str]]:
-    """Return the rows of a table, or those with the wanted codes."""
-    return [(code(entry), entry.text) for entry in table(name) if not wanted or entry.first in wanted]
+def rows(name: str) -> list[tuple[str, str]]:
+    """Return the rows of a table."""
+    return [(code(entry), entry.text) for entry in table(name)]
+
+
+def merged(entries: Sequence[Code], beside: re.Pattern[str]) -> list[tuple[str, str]]:
+    """Return rows, in one row those that have the same text without what is found in it."""
+    like: dict[str, list[str]] = {}
+    for entry in entries:
+        like.setdefault(beside.sub("", entry.text), []).append(code(entry))
+    return [(" ".join(codes), text) for text, codes in like.items()]
 
 
 def services() -> list[tuple[str, str]]:
     """Return single services, those of the products beside the corresponding general ones, and then ranges."""
-    singles = [entry for entry in table("services") if entry.first == entry.last]
-    like: dict[str, list[str]] = {}
-    for entry in singles:
-        like.setdefault(PRODUCTS.sub("", entry.text), []).append(code(entry))
     ranges = [entry for entry in table("services") if entry.first != entry.last and entry.first >= 0xA0]
     return [
-        *((" ".join(codes), text) for text, codes in like.items()),
+        *merged([entry for entry in table("services") if entry.first == entry.last], PRODUCTS),
         *((code(entry), entry.text) for entry in ranges),
     ]
+
+
+def parameter_errors() -> list[tuple[str, str]]:
+    """Return the codes that do not follow the rule of DIGITS."""
+    return [(code(entry), entry.text) for entry in table("errors_parameter") if not RULED.fullmatch(entry.key)]
 
 
 def statuses() -> list[tuple[str, str]]:
@@ -150,7 +160,7 @@ def joined(name: str) -> str:
 
 def header(page: Page, x: float, y: float) -> None:
     """Draw the bytes of a telegram from the left to the right."""
-    wide, high = 25.5, 14.5
+    wide, high = 25.5, 13.5
     for number, (byte, name, meaning) in enumerate(HEADER + ANNOUNCED):
         left = x + wide * number
         page.box(left, y, wide, high, PALE if byte else WHITE)
@@ -176,25 +186,20 @@ def columns(page: Page, top: float, bottom: float) -> None:
     first.heading("Addresses (decimal)")
     first.rows(addresses(), 14)
     first.words("A reaction keeps the addresses of its command. No reaction to 200 and above.")
-    first.heading("Status, first byte of a reaction")
+    first.heading("Status, first byte of the contents")
     first.rows(statuses(), 9)
-    first.words(
-        "F0 and above: telegram error, no code follows. F9 to FC: IndraDrive. 12 and 1D: status 02, phase, code."
-    )
+    first.words("F0 and above: telegram error, no code follows. F9 to FC: IndraDrive.")
+    first.heading("12 and 1D: status 02, phase, and this code")
+    first.rows(rows("errors_phase"), 11)
     first.heading("In the edition ECODRIVE03")
-    first.words(
-        "Control bits 5-7: status of a reaction. Address 127 is a station, 128 to 254 are groups without reaction."
-    )
+    first.words("Control bits 5-7: status. 127 is a station, 128 to 254 are groups, not answered.")
 
     second.heading("Services (byte 6)")
     second.rows(services(), 19)
-    second.heading("Phases, baud rate masks")
-    second.words(joined("phases"))
-    second.words(joined("baud_masks"))
     second.heading("Transmission channel (status 02)")
     second.rows(rows("errors_channel"), 11)
     second.heading("Error codes of flash (status 01)")
-    second.rows(rows("errors_flash", *FLASH_ERRORS), 11)
+    second.rows(merged(table("errors_flash"), HALTS), 19)
     second.words("Here and in 03: subservice and error byte make the code.")
 
     third.heading("Subservices of 00: identification")
@@ -209,20 +214,19 @@ def columns(page: Page, top: float, bottom: float) -> None:
     third.rows(PARAMETER, 15)
     third.words("Element, bits 3-5 of control: " + joined("elements"))
     third.words(READING)
+    third.heading("Procedure command and its data status")
+    third.words("Written: 3 set and enable, 1 interrupt, 0 clear. Writing element 1, control 0C, brings the status:")
+    third.words(", ".join(f"{entry.first:X} {entry.text}" for entry in table("data_states")))
 
     fourth.heading("Attribute of a parameter (4 bytes)")
     fourth.rows(ATTRIBUTE, 11)
-    fourth.heading("Procedure command and its data status")
-    fourth.words("Written: 3 set and enable, 1 interrupt, 0 clear. Writing element 1, control 0C, brings the status:")
-    fourth.words(", ".join(f"{entry.first:X} {entry.text}" for entry in table("data_states")))
+    fourth.heading("Phases, baud rate masks")
+    fourth.words(joined("phases"))
+    fourth.words(joined("baud_masks"))
     fourth.heading("Error codes of parameters (status 01)")
-    fourth.rows(rows("errors_parameter", *PARAMETER_ERRORS), 11)
-    fourth.words(
-        "First digit: element. Last: 1 not available, 2 too short, 3 too long, 4 cannot be changed, "
-        "5 write-protected at present"
-    )
-    fourth.heading("Error codes of phases (status 02)")
-    fourth.rows(rows("errors_phase"), 11)
+    ends = ", ".join(f"{digit} {words}" for digit, words in DIGITS.items())
+    fourth.words(f"1001 to 7005: the first digit is the element, the last one says why. {ends}")
+    fourth.rows(parameter_errors(), 11)
 
 
 def telegram(page: Page, x: float, y: float, words: str, places: Sequence[int]) -> list[float]:
@@ -255,7 +259,7 @@ def timing(page: Page, x: float, y: float) -> None:
     page.text(x, base + 12, STARTS, SIZE)
     page.text(x, base + 15.5, "Character: 11 bits (8E1), 1.146 ms at 9600 Bd, 0.0955 ms at 115200 Bd.", SIZE)
     for number, words in enumerate(TIMES):
-        page.text(x + 155, y + 5.5 + 4 * number, words, SIZE)
+        page.text(x + 155, y + 4 + 3.8 * number, words, SIZE)
 
 
 def sheet() -> str:
@@ -271,15 +275,10 @@ def sheet() -> str:
         text_anchor="end",
     )
     header(page, 8, 15)
-    page.text(8, 34, EXAMPLE, SIZE)
-    columns(page, 34.5, 180)
-    timing(page, 8, 182.5)
+    page.text(8, 32.5, EXAMPLE, SIZE)
+    columns(page, 32.8, 180)
+    timing(page, 8, 181.5)
     return page.svg()
-
-
-def digest(svg: str) -> str:
-    """Return the last line of the PDF: a digest of its SVG. PDF readers ignore it."""
-    return f"% sheet.svg {hashlib.sha256(svg.encode()).hexdigest()}\n"
 
 
 def main() -> None:
@@ -289,12 +288,7 @@ def main() -> None:
     arguments = parser.parse_args()
     SVG.write_text(sheet())
     if arguments.pdf:
-        command = ["rsvg-convert", "--format=pdf", str(SVG)]
-        try:
-            pdf = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
-        except (OSError, subprocess.CalledProcessError) as error:
-            sys.exit(f"sheet.py: {error}; rsvg-convert is in the package librsvg2-bin")
-        SVG.with_suffix(".pdf").write_bytes(pdf + digest(SVG.read_text()).encode())
+        SVG.with_suffix(".pdf").write_bytes(pdf(SVG.read_text()) + digest(SVG.read_text()).encode())
 
 
 if __name__ == "__main__":

@@ -177,7 +177,7 @@ def test_the_page_has_every_lesson_with_its_capture(tmp_path: Path) -> None:
     assert not any("<pre>wireshark -C" in lesson["text"].partition("<h2")[0] for lesson in course["lessons"])
     assert all(word in course["glossary"] for word in ("TzA", "TrS"))
     assert (HERE / "glossary.md").read_text().startswith("# Glossary\n")  # also read alone, as a file
-    assert [name for name, *_ in course["papers"]] == ["sheet", "poster"]
+    assert [name for name, *_ in course["papers"]] == ["sheet", "poster", "wall-chart"]
     played = sorted((path, path.stat().st_mtime_ns) for path in tmp_path.iterdir())
     assert json.dumps(content(tmp_path)) == json.dumps(course)
     assert sorted((path, path.stat().st_mtime_ns) for path in tmp_path.iterdir()) == played

@@ -11,6 +11,7 @@ from description import Code, Table
 
 import sheet
 from drawing import Column, Page, width, wrapped
+from printing import digest
 
 
 def texts(svg: str) -> list[str]:
@@ -24,7 +25,7 @@ def test_checked_in_page_is_current() -> None:
 def test_pdf_is_made_from_it() -> None:
     pdf = sheet.SVG.with_suffix(".pdf").read_bytes()
     assert pdf.startswith(b"%PDF-")
-    assert pdf.endswith(sheet.digest(sheet.SVG.read_text()).encode()), "python3 sheet.py --pdf"
+    assert pdf.endswith(digest(sheet.SVG.read_text()).encode()), "python3 sheet.py --pdf"
 
 
 # Of the facts about the protocol, not of the tables: a code, and a word of what stands beside it.
@@ -41,6 +42,7 @@ def test_pdf_is_made_from_it() -> None:
         ("D007", "master axis"),
         ("9701", "Additive checksum"),
         ("0801", "Test time too large"),
+        ("9010 9110", "operating mode"),
         ("FF", "Accept"),
         ("254", "one hierarchy level"),
     ],
@@ -49,6 +51,26 @@ def test_code_stands_beside_its_text(code: str, word: str) -> None:
     found = texts(sheet.sheet())
     places = [place for place, text in enumerate(found) if text == code]
     assert any(word in " ".join(found[place + 1 : place + 3]) for place in places)
+
+
+def test_all_codes_of_flash_and_parameters_are_on_it() -> None:
+    """Those of parameters that are not there follow the rule beside them."""
+    found = texts(sheet.sheet())
+    written = {code for text in found for code in text.split()}
+    assert {sheet.code(entry) for entry in sheet.table("errors_flash")} <= written
+    for entry in sheet.table("errors_parameter"):
+        if sheet.RULED.fullmatch(entry.key):
+            assert entry.text.endswith(sheet.DIGITS[entry.first % 16])
+        else:
+            assert sheet.code(entry) in written
+
+
+def test_a_bus_begins_with_9600() -> None:
+    """Chapter 2.5. Times have no default values."""
+    found = " ".join(texts(sheet.sheet()))
+    assert "9600 Bd after switching on" in found
+    assert "TzA, TrS and Tmas have no default values" in found
+    assert "rate" not in found.split("no default values")[0].rsplit(".", 1)[1]
 
 
 def test_telegrams_on_it_are_right() -> None:

@@ -39,20 +39,21 @@ def drop(page: Page, x: float, y: float, to: float, colour: str) -> None:
     page.area(x - 0.7, y - 0.7, 1.4, 1.4, colour)
 
 
-def bus(page: Page, x: float, names: tuple[str, ...]) -> None:
+def bus(page: Page, x: float, names: tuple[str, ...], *, y: float = 0, pitch: float = 34) -> None:
     """Draw a two-wire bus with a resistor at both ends, and what is connected to it; the last one is the tap."""
-    right = x + 9 + 34 * len(names)
-    for words, y, colour in (("+", 8, PLUS), ("-", 15, MINUS), ("ground", 22, GROUND)):
-        wire(page, words, y, colour, (x, right))
+    right = x + 9 + pitch * len(names)
+    wires = ((y + 8, PLUS), (y + 15, MINUS), (y + 22, GROUND))
+    for words, (high, colour) in zip(("+", "-", "ground"), wires, strict=True):
+        wire(page, words, high, colour, (x, right))
     for left in (x + 2, right - 4):
-        page.box(left, 8, 2, 7)
-    page.text(x + 2, 6, "120 ohms", 3.2)
-    page.text(right - 2, 6, "120 ohms", 3.2, text_anchor="end")
+        page.box(left, y + 8, 2, 7)
+    page.text(x + 2, y + 6, "120 ohms", 3.2)
+    page.text(right - 2, y + 6, "120 ohms", 3.2, text_anchor="end")
     for number, words in enumerate(names):
-        left = x + 10 + 34 * number
-        for place, (y, colour) in enumerate(((8, PLUS), (15, MINUS), (22, GROUND))):
-            drop(page, left + 5 + 8 * place, y, 30, colour)
-        device(page, left, 30, words, tap=words == "tap")
+        left = x + 10 + pitch * number
+        for place, (high, colour) in enumerate(wires):
+            drop(page, left + 5 + 8 * place, high, y + 30, colour)
+        device(page, left, y + 30, words, tap=words == "tap")
 
 
 def rs485() -> Page:

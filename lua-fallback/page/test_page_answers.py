@@ -28,7 +28,7 @@ def answers(tmp_path: Path) -> Callable[..., Said]:
     if shutil.which("node") is None:
         pytest.skip("needs node")
 
-    def run(tried: Sequence[tuple[dict[str, Any], str]]) -> Said:
+    def run(tried: Sequence[tuple[Any, ...]]) -> Said:
         path = tmp_path / "tried.json"
         path.write_text(json.dumps(tried))
         command = ["node", str(Path(__file__).parent / "test" / "spellings.mjs"), str(path)]
@@ -112,6 +112,18 @@ def test_known_mistakes_have_their_words(
     assert other["right"] is True
 
 
+def test_the_first_reading_of_a_mistake_counts(answers: Callable[..., Said]) -> None:
+    """-2.404 is also -2404, as Germans write thousands."""
+    (said,) = answers([(ask("number, mm", "-24.04 mm", **{"-2404 mm": "None.", "-2.404 mm": "Three."}), "-2.404 mm")])
+    assert said == {"right": False, "say": "Three."}
+
+
+def test_a_value_is_not_the_bytes_of_the_line(answers: Callable[..., Said]) -> None:
+    asked = ask("hex", "7007 or 07 70", **{"0770": "Those are the bytes.", "70 07": "That is the value."})
+    said = answers([(asked, typed) for typed in ("7007", "07 70", "0770", "70 07")])
+    assert [one["say"] for one in said] == ["Right.", "Right.", "Those are the bytes.", "That is the value."]
+
+
 def test_a_number_without_unit_has_that_of_the_prompt(answers: Callable[..., Said]) -> None:
     asked = {**ask("number", "1500"), "prompt": "Speed of the motor then, in rpm"}
     said = answers([(asked, "1500 U/min"), (asked, "1500 ms"), (asked, "1500")])
@@ -122,3 +134,17 @@ def test_a_unit_that_only_the_lesson_knows(answers: Callable[..., Said]) -> None
     asked = ask("number, Nm", "12")
     said = answers([(asked, "12 Nm"), (asked, "12"), (asked, "12 ms"), (asked, "12 kg")])
     assert [one["right"] for one in said] == [True, True, False, None]
+
+
+def test_filters_are_what_they_leave(answers: Callable[..., Said]) -> None:
+    """So is a mistake."""
+    leaves = {"talker": [2, 4], "station": [2, 4], "sender": [1, 2, 3], "from": [1, 2, 3], "all": [1, 2, 3, 4]}
+    asked = ask("filter", "talker", sender="The sender of a reaction is the master.")
+    said = answers([(asked, typed, leaves) for typed in ("talker", "station", "from", "all", "nonsense")])
+    assert [(one["right"], one["say"]) for one in said] == [
+        (True, "Right."),
+        (True, "Right."),
+        (False, "The sender of a reaction is the master."),
+        (False, "That leaves 4 packets, 2 of them right."),
+        (None, "nonsense is no filter"),
+    ]

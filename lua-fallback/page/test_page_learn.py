@@ -190,8 +190,9 @@ def test_a_telegram_is_built(chromium: Chromium) -> None:
     chromium.run(f"document.getElementById('{field}').focus()")
     fill(chromium, task, [blank.accepted[0].replace(" ", "", 1) + " 00"])
     said = f"document.getElementById('{field}-said').textContent"
-    known = json.dumps([remark.say for remark in blank.remarks])
-    chromium.until(f"{known}.includes({said})")
+    chromium.until(f"{said} === 'The telegram is over before your bytes are: 1 too many.'")
+    fill(chromium, task, [blank.accepted[0][:-2] + "7E"])
+    chromium.until(f"{json.dumps([remark.say for remark in blank.remarks])}.includes({said})")
     fill(chromium, task)
     chromium.until(f"document.querySelector('.task.done[data-number=\"{task.number}\"]')")
     tree = f"document.querySelector('.task[data-number=\"{task.number}\"] .tree').textContent"
@@ -334,12 +335,12 @@ def test_a_telegram_is_decoded_while_it_is_changed(chromium: Chromium) -> None:
     tool(chromium, "A telegram")
     tree = "document.querySelector('.tool .tree').textContent"
     chromium.until(f"({tree}).includes('Phase: 2 (parameter mode)') && ({tree}).includes('Checksum: 0xc3 [correct]')")
-    chromium.run("[...document.querySelectorAll('.cells button')].at(-1).click()")
-    chromium.run("document.querySelector('.bits [aria-label=\"Bit 0\"]').click()")
+    chromium.run("[...document.querySelectorAll('.tool .cells button')].at(-1).click()")
+    chromium.run("document.querySelector('.tool .bits [aria-label=\"Bit 0\"]').click()")
     chromium.until(f"({tree}).includes('Phase: 3') && /Checksum: 0xc3 .*should be 0xc2/.test({tree})")
     chromium.click("Set the checksum")
     chromium.until(f"({tree}).includes('Checksum: 0xc2 [correct]')")
-    assert chromium.run("document.querySelector('input.telegram').value") == "02 C2 02 02 10 12 10 03 00 03"
+    assert chromium.run("document.querySelector('.tool input.telegram').value") == "02 C2 02 02 10 12 10 03 00 03"
 
 
 @pytest.mark.parametrize(
@@ -362,11 +363,11 @@ def test_the_selected_telegram_can_be_changed(
     tool(chromium, "A telegram")
     chromium.run(f"[...document.querySelectorAll('.row')].find((one) => one.ariaRowIndex === '{packet + 1}').click()")
     take = "[...document.querySelectorAll('.tool-buttons button')].at(-3).click()"
-    chromium.until(f"({take}, document.querySelector('input.telegram').value === '{bytes_}')")
+    chromium.until(f"({take}, document.querySelector('.tool input.telegram').value === '{bytes_}')")
     tree = "document.querySelector('.tool .tree').textContent"
     chromium.until(f"({tree}).includes('{decoded}')")
-    chromium.run("document.querySelectorAll('.cells button')[6].click()")
-    chromium.run("document.querySelector('.bits [aria-label=\"Bit 0\"]').click()")
+    chromium.run("document.querySelectorAll('.tool .cells button')[6].click()")
+    chromium.run("document.querySelector('.tool .bits [aria-label=\"Bit 0\"]').click()")
     chromium.until(f"/should be 0x/.test({tree})")
     chromium.click("Set the checksum")
     chromium.until(f"!/should be 0x/.test({tree})")

@@ -16,7 +16,7 @@ from typing import Any
 import sistap
 from lesson import recording
 from make import Scenario
-from pages import COURSE, HERE, markdown, tasks
+from pages import COURSE, glossary, markdown, tasks
 from pages.tasks import Blank, Lesson, Section, Task
 
 CAPTURE = Path(sistap.__file__).parents[1]
@@ -24,7 +24,7 @@ CAPTURE = Path(sistap.__file__).parents[1]
 _OPENED = re.compile(r"(?:^.+\n)*.*in the\s+folder\s+`test-captures/course`:\n\n    wireshark .*\n\n", re.MULTILINE)
 # What needs a terminal, and what stands in its place in the page: for other readers, a comment that they do not see.
 _TERMINAL = re.compile(r"<!-- with a terminal -->\n.*?<!-- in the page:\n(.*?\n)-->(?:\n|\Z)", re.DOTALL)
-PAPERS = {"sheet": "The telegram on one page", "poster": "Poster"}
+PAPERS = {"sheet": "The telegram on one page", "poster": "Poster", "wall-chart": "Wall chart"}
 
 
 def lessons() -> list[Lesson]:
@@ -34,11 +34,10 @@ def lessons() -> list[Lesson]:
 
 def content(folder: Path) -> dict[str, Any]:
     """Return the whole course. Captures that the virtual bus plays are kept in a folder, for the next time."""
-    _, _, words = (HERE / "glossary.md").read_text().partition("\n")
     papers = [(name, title, (COURSE / f"{name}.svg").read_text()) for name, title in PAPERS.items()]
     return {
         "lessons": [_lesson(lesson, folder) for lesson in lessons()],
-        "glossary": markdown.html(words),
+        "glossary": markdown.html(glossary.text()),
         "papers": papers,
     }
 

@@ -80,9 +80,12 @@ function unreadNumber(text, ask) {
   return text.trim().toLowerCase().replace(/^0+(?=.)/, "") === value ? HEXADECIMAL : "Type a number, such as 27, 0x1B or 12 ms.";
 }
 
-// A value and the bytes of the line are not the same: accepted words without a blank are values.
-function sameHex(typed, accepted) {
-  if (typed.value !== null && accepted.value !== null) return typed.value === accepted.value;
+// A value and the bytes of the line are not the same: accepted words without a blank are values. What is typed in one of
+// the two ways is compared with answers of the other one only if there are none of its own.
+function sameHex(typed, accepted, ask) {
+  const isValue = typed.value !== null;
+  if (isValue !== (accepted.value !== null) && ask.accepted.some((one) => (readHex(one)?.value !== null) === isValue)) return false;
+  if (isValue && accepted.value !== null) return typed.value === accepted.value;
   return !typed.marked && String(typed.bytes) === String(accepted.bytes);
 }
 
@@ -114,13 +117,17 @@ const CHECKS = {
 function compare(ask, text) {
   const { read, same, about, unread } = CHECKS[ask.kind];
   const typed = read(text);
-  const equals = (one) => {
+  const equals = (one, reading = typed) => {
     const known = read(one);
-    return typed === null || known === null ? text.trim() === one.trim() : same(typed, known, ask);
+    return reading === null || known === null ? text.trim() === one.trim() : same(reading, known, ask);
   };
-  if (ask.accepted.some(equals)) return { right: true, say: "Right." };
-  const mistake = ask.mistakes?.find((one) => equals(one.wrong));
-  if (mistake) return wrong(mistake.say);
+  if (ask.accepted.some((one) => equals(one))) return { right: true, say: "Right." };
+  // A mistake that is meant by the first reading counts before one of the others: 2.404 is rather two than two thousand.
+  const readings = typed && ask.kind === "number" ? typed.values.map((value) => ({ ...typed, values: [value] })) : [typed];
+  for (const reading of readings) {
+    const mistake = ask.mistakes?.find((one) => equals(one.wrong, reading));
+    if (mistake) return wrong(mistake.say);
+  }
   if (typed === null) return unreadable(unread(text, ask));
   const accepted = read(ask.accepted[0]);
   return accepted === null ? wrong() : about(typed, accepted, ask);

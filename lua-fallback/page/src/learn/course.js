@@ -10,7 +10,8 @@ import { readResults } from "./progress.js";
 
 const WORDS = `One machine, one week: each lesson is a problem at the winder. Read, predict, open the packets, build, and prove. What \
 you type is checked at once.`;
-const WEEK = 14; // lessons; those after it show other roads to a drive
+const DAYS = [["Monday", 3], ["Tuesday", 3], ["Wednesday", 3], ["Thursday", 3], ["Friday", 2]]; // and how many lessons
+const WEEK = DAYS.reduce((sum, [, count]) => sum + Number(count), 0); // lessons after it show other roads to a drive
 
 const tasksOf = ({ sections }) => sections.flatMap(({ tasks }) => tasks);
 
@@ -23,18 +24,22 @@ export function courseList({ lessons, papers }, progress, showing) {
   root.append(element("h1", {}, "A course to do"), element("p", {}, WORDS),
     element("p", {}, `${right} of ${count} tasks done.`,
       progress.isKept ? "" : " This browser does not let the page keep your progress.", ...links),
-    element("ol", { className: "lessons" }, ...lessons.slice(0, WEEK).map((lesson) => item(lesson, progress))),
-    element("h2", {}, "Other roads"),
-    element("ol", { className: "lessons", start: WEEK + 1 }, ...lessons.slice(WEEK).map((lesson) => item(lesson, progress))),
+    ...byDays(lessons).flatMap(([day, ofDay]) => [element("h2", {}, day),
+      element("ul", { className: "lessons" }, ...ofDay.map((lesson) => item(lesson, progress)))]),
     element("h2", {}, "Results"), ...ofLearner(lessons.slice(0, WEEK), progress, renew), ...ofTeacher(lessons, showing));
   return root;
+}
+
+function byDays(lessons) {
+  let begin = 0;
+  return [...DAYS, ["Other roads", lessons.length]].map(([day, count]) => [day, lessons.slice(begin, begin += Number(count))]);
 }
 
 function item(lesson, progress) {
   const { name, title, aim, minutes } = lesson;
   const right = progress.right(name), count = tasksOf(lesson).length;
   return element("li", {},
-    element("a", { href: `#learn/${name}` }, title.replace(/^\d+\. /, "")), " ",
+    element("a", { href: `#learn/${name}` }, title), " ",
     element("progress", { max: count, value: right, "aria-label": "Tasks done" }), " ",
     element("small", {}, `${right} of ${count}, ${minutes} minutes`), ours("p", aim));
 }

@@ -5,7 +5,8 @@
 const QUANTITIES = {
   "a time": { 1: "s sec secs sek sek. second seconds sekunde sekunden", 1e-3: "ms msec msecs millisecond milliseconds millisekunden",
     1e-6: "us usec microsecond microseconds mikrosekunden", 60: "min mins minute minutes minuten" },
-  "a speed": { 1: "rpm 1/min /min min-1 min^-1 u/min r/min rev/min umdr/min upm", 60: "1/s /s s-1 rps" },
+  "a speed": { 1: `rpm 1/min /min min-1 min^-1 u/min r/min rev/min umdr/min umdrehungen/min upm
+    revperminute revolutionsperminute`, 60: "1/s /s s-1 rps" },
   "a baud rate": { 1: "bd baud bit/s bits/s bps", 1000: "k kbd kbaud kbit/s kbits/s kbps" },
   "a length": { 1: "mm", 10: "cm", 1000: "m", 1e-3: "um", 25.4: "in inch inches" },
   "a percentage": { 1: "% percent prozent" },
@@ -18,18 +19,22 @@ const QUANTITIES = {
 const UNITS = new Map(Object.entries(QUANTITIES).flatMap(([quantity, units]) => Object.entries(units).flatMap(([factor, words]) =>
   words.split(/\s+/).map((word) => [word, { quantity, factor: Number(factor), exact: quantity !== "a time", unknown: "" }]))));
 
+const OTHER = /\d|\b(?:or|not|no|oder|nicht)\b/; // what stands behind an answer may be a second one
 const ROUGHLY = /^(?:=|~|≈|about|approx\.?|approximately|ca\.?|circa|etwa)\s*/;
+const COUNTED = ["zero one two three four five six seven eight nine ten eleven twelve",
+  "null ein zwei drei vier fünf sechs sieben acht neun zehn elf zwölf"].map((words) => words.split(" "));
 const NAMED = "antrieb|axis|bit|byte|character|drive|element|master|packet|paket|phase|slave|station|telegram|number|nr";
 const NOUN = new RegExp(String.raw`^(?:(?:${NAMED})\s+|n[or]\.\s*|#)+(?=\d)`);
 const HEXADECIMAL = /^(?:(?:0x|16#|\$)([0-9a-f]+)|([0-9a-f]+) ?h(?:ex)?)(?!\w)(.*)$/;
 const UNMARKED = /^\d*[a-f][\da-f]*$/; // 1B may be hexadecimal
-const DECIMAL = /^([+-]?)(\d{1,3}(?:[ '_]\d{3})+(?![\d ])(?:[.,]\d+)?|\d+(?:[.,]\d+)*|[.,]\d+)(.*)$/;
+const DECIMAL = /^([+-]?) ?(\d{1,3}(?:[ '_]\d{3})+(?![\d ])(?:[.,]\d+)?|\d+(?:[.,]\d+)*|[.,]\d+)(.*)$/;
+const ANOTHER = /^[\d.,-]|^ *-? *\d+(?!\/)| (?:to|or|bis|oder) /; // a unit does not look so
 const GROUPED = { ",": /^[1-9]\d{0,2}(?:,\d{3})+$/, ".": /^[1-9]\d{0,2}(?:\.\d{3})+$/ };
 
 // Small letters, plain hyphens and quotes, no full stop at the end.
 function plain(text) {
   return text.normalize("NFKC").toLowerCase().replace(/[‐-―−]/g, "-").replace(/[‘’´`]/g, "'").replace(/["“”„]/g, "")
-    .replace(/μ/g, "u").replace(/\s+/g, " ").trim().replace(/(?:^|([^.]))[.!]+$/, "$1");
+    .replace(/μ/g, "u").replace(/\s+/g, " ").trim().replace(/(^|[^.])[.!]$/, "$1");
 }
 
 // An unknown unit is a quantity of its own.
@@ -48,20 +53,36 @@ function values(digits) {
   return found;
 }
 
-// "0,012 s", "2.000 U/min", "0x1B", "1B h", "bit 4", "19k2": {values, unit, digits}, one value for each way to read it.
-export function readNumber(text) {
-  const words = plain(text).replace(ROUGHLY, "").replace(NOUN, "").replace(/^(\d+)k(\d+)/, "$1.$2k");
+// "three", "none", "minus 20" in digits.
+function inDigits(words) {
+  return words.replace(/^none$/, "0").replace(/^minus /, "-").replace(/^[a-zü]+(?= |$)/, (word) => {
+    const value = Math.max(...COUNTED.map((language) => language.indexOf(word)));
+    return value < 0 ? word : String(value);
+  });
+}
+
+function readAlone(text) {
+  const words = inDigits(text.replace(ROUGHLY, "").replace(NOUN, "")).replace(/^(\d+)k(\d+)/, "$1.$2k");
   const marked = words.match(HEXADECIMAL);
   if (marked) return { values: [parseInt(marked[1] || marked[2], 16)], unit: unitOf(marked[3]), digits: "" };
-  const found = words.match(DECIMAL);
-  if (!found || UNMARKED.test(words) || /^[\d.,]/.test(found[3]) || /^ *-? *\d+(?!\/)|^-| (?:to|or|bis|oder) /.test(found[3])) return null;
+  const found = UNMARKED.test(words) ? null : words.match(DECIMAL);
+  if (!found || ANOTHER.test(found[3])) return null;
   const sign = found[1] === "-" ? -1 : 1;
   const read = values(found[2].replace(/[ '_]/g, "")).map((value) => sign * value);
   return read.length ? { values: read, unit: unitOf(found[3]), digits: found[2] } : null;
 }
 
-const NO_PACKETS = /^(?:none|nothing|no|-|keines?|(?:no|keine) (?:packets?|frames?|pakete))$/;
-const BESIDE_PACKETS = /\b(?:packets?|pakete?|pkts?|frames?|telegrams?|numbers?|nos?|nr|from|von|and|und|u|the)\b\.?|[&,;#+/()[\]{}]/g;
+// "0,012 s", "2.000 U/min", "0x1B", "1B h", "bit 4", "19k2", "16 (0x10)": {values, unit, digits}, one value for each way to read it.
+export function readNumber(text) {
+  const [, before, remark] = plain(text).match(/^(.*\S) \(([^()]*)\)$/) || [];
+  const number = readAlone(before || plain(text));
+  const agrees = !before || !OTHER.test(remark) || String(number?.values) === String(readAlone(remark)?.values);
+  return agrees ? number : null;
+}
+
+const NO_PACKETS = /^(?:none|none at all|not any|nothing|no|-|keines?|(?:no|keine) (?:packets?|frames?|pakete))$/;
+const BESIDE = "packets?|pakete?|pkts?|frames?|telegrams?|numbers?|nos?|nr|from|von|and|und|u|the|plus|also|both|p";
+const BESIDE_PACKETS = new RegExp(String.raw`\b(?:${BESIDE})\b\.?|[&,;#+/()[\]{}]`, "g");
 
 // "3, 5", "packets #3 and #5", "3-5", "3 to 5", "none": numbers in order; null where it is no such list.
 export function readPackets(text) {
@@ -78,9 +99,11 @@ export function readPackets(text) {
   return [...numbers].sort((one, other) => one - other);
 }
 
+const HEX_NAMED = /^(?:=|bytes?\b|checksum\b|code\b|error\b|status\b|[[(])\s*|(?:\s*hex|[\])])$/g;
+
 // "0x02, d9", "02:D9", "02D9", "7007h": {bytes, value, marked}. One word is a value, too; bytes are null where digits are missing.
 export function readHex(text) {
-  const words = plain(text).replace(/^=\s*|\s*hex$/g, "").replace(/\\x/g, " ").trim().split(/[\s,;:.-]+/);
+  const words = plain(text).replace(HEX_NAMED, "").replace(/\\x/g, " ").trim().split(/[\s,;:./-]+/);
   const digits = words.map((word) => word.replace(/^(?:0x|16#|[x$#])|h$/g, ""));
   if (!digits.every((word) => /^[0-9a-f]+$/.test(word))) return null;
   const paired = digits.map((word) => word.padStart(2, "0"));
@@ -89,16 +112,16 @@ export function readHex(text) {
     marked: digits[0].length > 2 && (words[0] !== digits[0] || /hex\W*$/i.test(text)) };
 }
 
-const NO_OTHER = String.raw`(?!.*(?:\d|\b(?:or|not|no|oder|nicht)\b))`; // what stands behind a name is no second answer
+const NO_OTHER = `(?!.*(?:${OTHER.source}))`;
 const BEHIND = new RegExp(String.raw` ?\(${NO_OTHER}[^()]*\)$`);
-const PARAMETER = new RegExp(String.raw`^([spac])[-._ ]?(\d)(?:(?:[-._ ]|- | -| - )(\d{1,4})|(\d{4}))(?:[,:] ?${NO_OTHER}.*)?$`);
+const PARAMETER = new RegExp(String.raw`^([spac])[-._ ]?([\do])(?:(?:[-._ ]|- | -| - )(\d{1,4})|(\d{4}))(?:[,:]? ${NO_OTHER}.*)?$`);
 const CODE = /^(?:0x|[$#])?([0-9a-f]{4})h?$/;
 
 // A parameter, a code, or words without what does not matter.
 export function readText(text) {
-  const words = plain(text).replace(/^(?:the|an?|der|die|das|parameter|code|error) /, "").replace(BEHIND, "");
+  const words = plain(text).replace(/^(?:(?:the|an?|der|die|das|parameter|code|error|fault) )+/, "").replace(BEHIND, "");
   const [, kind, set, number, joined] = words.match(PARAMETER) || [];
-  if (kind) return `${kind}-${set}-${(number || joined).padStart(4, "0")}`;
+  if (kind) return `${kind}-${set === "o" ? 0 : set}-${(number || joined).padStart(4, "0")}`;
   const code = words.replace(/^([a-z]{1,2})[ -](\d{2,5})$/, "$1$2");
   return /\d/.test(code) ? code.replace(CODE, "$1") : code;
 }

@@ -64,7 +64,9 @@ export function telegramField({ conditions, unit }, { id, text, note }) {
     const { met, cells } = await fits(telegramCapture("sis", bytes, ...(reaction.length ? [reaction] : [])), conditions.map(({ filter }) => filter));
     if (unit === "answered") heard.textContent = reaction.length ? `A drive answers: ${asHex(reaction).toUpperCase()}  ${cells[INFO]}` : "No drive answers.";
     const open = conditions.filter((_, place) => !met[place]);
-    return open.length ? { right: false, say: open[0].say } : { right: true, say: "Right." };
+    if (open.length) return { right: false, say: open[0].say };
+    const left = bytes.length - HEADER - bytes[LENGTH];
+    return left === 0 ? { right: true, say: "Right." } : { right: false, say: `The telegram is over before your bytes are: ${left} too many.` };
   };
   const below = element("div", { className: "built" }, ...bench.parts, heard);
   const root = element("div", {}, bench.input, below);
