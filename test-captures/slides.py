@@ -24,15 +24,16 @@ from pages.tasks import Lesson, Section  # noqa: E402
 
 WEEK = range(1, 15)
 SHOWN = ("The case", "What to know", "Predict", "Build", "Prove")  # what a class does together
-LONGEST = 110  # words on a slide
+LONGEST = 90  # words on a slide
+ROWS = 10  # of a table
 
 STYLE = """
-html { scroll-snap-type: y mandatory; font: 2.6vmin/1.4 "Liberation Sans", Arial, sans-serif; }
+html { scroll-snap-type: y mandatory; font: 3.1vmin/1.4 "Liberation Sans", Arial, sans-serif; }
 body { margin: 0; }
 section { min-height: 100vh; box-sizing: border-box; padding: 5vmin 8vmin; }
 section { scroll-snap-align: start; break-after: page; }
 h1 { font-size: 6vmin; } h2 { color: #0a5c8a; } pre, code { font-family: "Liberation Mono", monospace; }
-pre { background: #eef2f5; padding: 1vmin 2vmin; font-size: 3vmin; }
+pre { background: #eef2f5; padding: 1vmin 2vmin; font-size: 3.4vmin; }
 table { border-collapse: collapse; } td, th { border-bottom: 1px solid #aaa; padding: .3em .8em; text-align: left; }
 footer { color: #666; font-size: 1.8vmin; margin-top: 3vmin; }
 @page { size: A4 landscape; margin: 0; }
@@ -59,13 +60,23 @@ def _section(section: Section) -> Iterator[str]:
 def _portions(text: str) -> Iterator[str]:
     """Cut a text between its paragraphs, lists and tables."""
     portion: list[str] = []
-    for block in filter(str.strip, re.split(r"\n\n(?!    )", text)):
+    for block in (part for whole in re.split(r"\n\n(?!    )", text) if whole.strip() for part in _tables(whole)):
         if portion and len(" ".join([*portion, block]).split()) > LONGEST:
             yield "\n\n".join(portion)
             portion = []
         portion.append(block)
     if portion:
         yield "\n\n".join(portion)
+
+
+def _tables(block: str) -> Iterator[str]:
+    """Cut a table between its rows, and repeat its head."""
+    head, *rows = block.split("\n")
+    if not head.startswith("|"):
+        yield block
+    else:
+        for first in range(1, len(rows), ROWS):
+            yield "\n".join([head, rows[0], *rows[first : first + ROWS]])
 
 
 def page(chosen: list[Lesson]) -> str:
