@@ -24,7 +24,7 @@ from make import Scenario, built_telegram  # noqa: E402
 from pages import markdown, tasks  # noqa: E402
 
 ERRORS = {"7006": "smaller than the minimum", "7007": "greater than the maximum", "7005": "write-protected at present"}
-STYLE = "body{font:12pt sans-serif;max-width:45em;margin:2em auto}pre{background:#eee;padding:.5em}p{margin:1em 0}"
+STYLE = "body{font:12pt sans-serif;max-width:45em;margin:2em auto}pre{background:#eee;padding:.5em}p{margin:1em 0;overflow-wrap:anywhere}"
 
 
 def draw(chance: random.Random) -> dict[str, str]:
@@ -88,7 +88,7 @@ def write(folder: Path, words: Mapping[str, str]) -> tasks.Lesson:
 
 def sheet(lesson: tasks.Lesson) -> str:
     """Return the sheet of a learner as HTML, with lines to write on."""
-    parts = [f"<h1>{markdown.inline(lesson.title)}</h1>", markdown.html(lesson.head)]
+    parts = [f"<h1>{markdown.inline(lesson.title)}</h1><p>Name: {'_' * 40}</p>", markdown.html(lesson.head)]
     for task in lesson.tasks:
         parts += [f"<h3>{task.number}. {markdown.inline(task.text)}</h3>", markdown.html(task.lead)]
         for blank in task.blanks:
