@@ -24,7 +24,11 @@ from make import Scenario, built_telegram  # noqa: E402
 from pages import markdown, tasks  # noqa: E402
 
 ERRORS = {"7006": "smaller than the minimum", "7007": "greater than the maximum", "7005": "write-protected at present"}
-STYLE = "body{font:12pt sans-serif;max-width:45em;margin:2em auto}pre{background:#eee;padding:.5em}p{margin:1em 0;overflow-wrap:anywhere}"
+STYLE = """
+body { font: 12pt sans-serif; max-width: 45em; margin: 2em auto; }
+p { margin: 1em 0; overflow-wrap: anywhere; }
+pre { background: #eee; padding: .5em; }
+"""
 
 
 def draw(chance: random.Random) -> dict[str, str]:
