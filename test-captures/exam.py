@@ -23,6 +23,7 @@ sys.path.insert(0, str(HERE.parent / "capture"))
 from make import Scenario, built_telegram  # noqa: E402
 from pages import markdown, tasks  # noqa: E402
 
+TEMPLATES = {"capture.txt.in": "exam.txt", "tasks.md.in": "exam.md", "solutions.md.in": "solutions/exam.md"}
 ERRORS = {"7006": "smaller than the minimum", "7007": "greater than the maximum", "7005": "write-protected at present"}
 STYLE = """
 body { font: 12pt sans-serif; max-width: 45em; margin: 2em auto; }
@@ -84,8 +85,8 @@ def filled(template: str, words: Mapping[str, str]) -> str:
 def write(folder: Path, words: Mapping[str, str]) -> tasks.Lesson:
     """Write the texts of an exam, and its capture; return what it asks."""
     (folder / "solutions").mkdir(parents=True, exist_ok=True)
-    for name in ("exam.txt", "exam.md", "solutions/exam.md"):
-        (folder / name).write_text(filled((HERE / "exam" / name).read_text(), words))
+    for template, name in TEMPLATES.items():
+        (folder / name).write_text(filled((HERE / "exam" / template).read_text(), words))
     (folder / "exam.pcapng").write_bytes(Scenario(folder / "exam.txt").capture())
     return tasks.read(folder / "exam.md")
 
