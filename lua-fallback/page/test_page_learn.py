@@ -446,14 +446,13 @@ def test_a_lesson_on_paper(chromium: Chromium) -> None:
     chromium.call("Emulation.setEmulatedMedia", media="screen")
 
 
-def test_a_certificate_of_the_week(chromium: Chromium) -> None:
+def test_a_certificate_of_the_week(chromium: Chromium, page: Path) -> None:
     """Of the lessons 1 to 14, whoever was shown an answer."""
     week = LESSONS[:14]
     kept = {one.path.stem: {"answers": {task.number: "right" for task in one.tasks}} for one in week}
     kept[FIRST.path.stem]["answers"][1] = "shown"
     chromium.run(f"localStorage.setItem('sistap-course', JSON.stringify({json.dumps(kept)}))")
-    chromium.run("window.print = () => {}; location.hash = '#open'; location.reload()")
-    chromium.until("document.readyState === 'complete' && document.querySelector('#main')?.children.length")
+    chromium.open(page.as_uri() + "?kept#open")
     chromium.run("location.hash = '#learn'; window.print = () => {}")
     chromium.until("document.querySelector('#learner')")
     chromium.run("document.querySelector('#learner').value = 'Ada <b>'")
