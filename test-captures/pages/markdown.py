@@ -160,8 +160,6 @@ def _table(block: list[str]) -> str:
     head = "".join(f'<th scope="col">{inline(cell)}</th>' for cell in heading)
     body = "".join(f"<tr>{''.join(f'<td>{inline(cell)}</td>' for cell in row)}</tr>" for row in rows)
     kind = " ".join(re.sub(r"\W", "", cell) for cell in heading[:2])
-    content = f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
+    table = f'<table class="{kind}"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
     # Who has no mouse scrolls a wide table when it has the focus.
-    return (
-        f'<div class="wide" role="group" aria-label="Table" tabindex="0"><table class="{kind}">{content}</table></div>'
-    )
+    return f'<div class="wide" role="group" aria-label="Table" tabindex="0">{table}</div>'
