@@ -50,11 +50,12 @@ async function packetsOf(capture, { signal, progress }) {
   return found;
 }
 
-const LINE = "_".repeat(24), LINES = 4; // to be filled in, of a finding
+const LINE = "_".repeat(24), LINES = 4; // to be filled in
+const LONG = ["finding", "telegram"]; // kinds that need several lines
 
 const asked = ({ number, text, lead, blanks }) => element("section", { className: "task" }, ours("h3", `${number}. ${text}`), ours("div", lead),
   ...blanks.map(({ prompt, kind, choices, unit }) => {
     const line = ours("p", prompt);
-    line.append(": ", choices.join(" / ") || `${LINE.repeat(kind === "finding" || kind === "telegram" ? LINES : 1)} ${unit}`);
+    line.append(": ", choices.join(" / ") || `${LINE.repeat(LONG.includes(kind) ? LINES : 1)} ${kind === "number" ? unit : ""}`);
     return line;
   }));
