@@ -24,7 +24,12 @@ from make import Scenario, built_telegram  # noqa: E402
 from pages import markdown, tasks  # noqa: E402
 
 TEMPLATES = {"capture.txt.in": "exam.txt", "tasks.md.in": "exam.md", "solutions.md.in": "solutions/exam.md"}
-ERRORS = {"7006": "smaller than the minimum", "7007": "greater than the maximum", "7005": "write-protected at present"}
+# Error codes, their words, and values in rpm that a drive refuses with them.
+ERRORS = {
+    "7006": ("smaller than the minimum", range(-900, -100)),
+    "7007": ("greater than the maximum", range(4000, 9000)),
+    "7005": ("write-protected at present", range(500, 2900)),
+}
 STYLE = """
 body { font: 12pt sans-serif; max-width: 45em; margin: 2em auto; }
 p { margin: 1em 0; overflow-wrap: anywhere; }
@@ -52,10 +57,10 @@ def draw(chance: random.Random) -> dict[str, str]:
         "later_rpm": f"{later:.4f}",
         "later_shifted": f"{later / 10:.4f}",
         "later_raw": str(round(later * 10_000)),
-        "limit": _low_first(chance.randrange(3000, 9000)),
+        "limit": _low_first(chance.choice(ERRORS[error][1])),
         "error": error,
         "error_bytes": f"{error[2:]} {error[:2]}",
-        "error_words": ERRORS[error],
+        "error_words": ERRORS[error][0],
         "tza": str(tza),
         "tza_bytes": f"{tza:02X} 00",
         "pause": str(pause),
@@ -72,7 +77,7 @@ def draw(chance: random.Random) -> dict[str, str]:
 
 def _low_first(value: float) -> str:
     """Return a number with four decimal places as four bytes."""
-    return round(value * 10_000).to_bytes(4, "little").hex(" ").upper()
+    return round(value * 10_000).to_bytes(4, "little", signed=True).hex(" ").upper()
 
 
 def filled(template: str, words: Mapping[str, str]) -> str:

@@ -34,9 +34,9 @@ CHARACTER = 5.0  # how long a character is in the time diagram
 
 # Chapters 2.2 and 9: bytes, what they are, and of which kind.
 Byte = tuple[str, str, str]
-HEADER = ("Start", "Checksum", "Length", "Length again", "Control", "Service", "Sender", "Receiver")
+HEADER = ("Start", "Checksum", "Length", "Length again", "Telegram control", "Service", "Sender", "Receiver")
 HEADER_KINDS = ("frame", "frame", "frame", "frame", "control", "service", "address", "address")
-OBJECT = ("Parameter control", "Device")
+OBJECT = ("Parameter control", "Device address")
 COMMAND = "02 6E 05 05 00 10 10 03 3C 03 00 24 00"
 COMMAND_BODY = (*OBJECT, "Type 0: drive", "Number, low byte", "Number, high byte")
 COMMAND_KINDS = ("object",) * 5
@@ -192,7 +192,7 @@ def poster() -> str:
     telegram(
         page,
         61.5,
-        "Reaction: drive 3 answers; the addresses are those of the command, bit 4 of the control tells it apart",
+        "Reaction: drive 3 answers; the addresses are those of the command, bit 4 of telegram control tells it apart",
         row(REACTION, REACTION_BODY, REACTION_KINDS),
     )
     for number, line in enumerate(BESIDE):

@@ -59,7 +59,7 @@ def bus(page: Page, x: float, names: tuple[str, ...], *, y: float = 0, pitch: fl
 def rs485() -> Page:
     """Draw a tap on two-wire RS485."""
     page = Page(168, 48, "A tap on two-wire RS485")
-    bus(page, 18, ("control", "drive 3", "drive 4", "tap"))
+    bus(page, 18, ("master", "drive 3", "drive 4", "tap"))
     page.text(133, 46, "no resistor of its own", 3.4, text_anchor="middle")
     return page
 
