@@ -103,7 +103,7 @@ def sheet(lesson: tasks.Lesson) -> str:
         parts += [f"<h3>{task.number}. {markdown.inline(task.text)}</h3>", markdown.html(task.lead)]
         for blank in task.blanks:
             line = " / ".join(blank.choices) or "_" * (240 if blank.kind == "finding" else 40)
-            parts.append(f'<p class="blank">{markdown.inline(blank.prompt)}: {line} {blank.unit}</p>')
+            parts.append(f"<p>{markdown.inline(blank.prompt)}: {line} {blank.unit}</p>")
     return f"<!doctype html><meta charset='utf-8'><title>Exam</title><style>{STYLE}</style>{''.join(parts)}\n"
 
 

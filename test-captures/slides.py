@@ -19,10 +19,10 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "capture"))
 
 from pages import markdown  # noqa: E402
-from pages.content import in_page, lessons  # noqa: E402
+from pages.content import DAYS, in_page, lessons  # noqa: E402
 from pages.tasks import Lesson, Section  # noqa: E402
 
-WEEK = range(1, 15)
+WEEK = range(1, sum(DAYS.values()) + 1)
 SHOWN = ("The case", "What to know", "Predict", "Build", "Prove")  # what a class does together
 LONGEST = 90  # words on a slide
 ROWS = 10  # of a table

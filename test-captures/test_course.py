@@ -34,6 +34,7 @@ from lesson import (
     recording,
 )
 from make import Scenario
+from pages.content import DAYS
 from pages.tasks import KNOW, PROVE, Blank, Lesson, Task, read, solutions_of
 from sisbus.library import answer
 from sisbus.scenarios.scenario import names
@@ -409,6 +410,8 @@ def test_crc_of_the_failed_download() -> None:
 
 def test_readme_has_every_lesson_in_order() -> None:
     readme = (COURSE.parent / "README.md").read_text()
+    days = re.split(r"\*\*(\w+day|Other roads)\*\*", readme)[1:]
+    assert {day: rows.count("(course/") for day, rows in zip(days[:-2:2], days[1::2], strict=False)} == DAYS
     assert re.findall(r"\(course/(\S+)[.]md\)", readme) == [path.stem for path in LESSONS]
     built_in = names()
     played = {path.stem: recording(path) for path in LESSONS}

@@ -24,6 +24,13 @@ CAPTURE = Path(sistap.__file__).parents[1]
 _OPENED = re.compile(r"(?:^.+\n)*.*in the\s+folder\s+`test-captures/course`:\n\n    wireshark .*\n\n", re.MULTILINE)
 # What needs a terminal, and what stands in its place in the page: for other readers, a comment that they do not see.
 _TERMINAL = re.compile(r"<!-- with a terminal -->\n.*?<!-- in the page:\n(.*?\n)-->(?:\n|\Z)", re.DOTALL)
+DAYS = {
+    "Monday": 3,
+    "Tuesday": 3,
+    "Wednesday": 3,
+    "Thursday": 3,
+    "Friday": 2,
+}  # lessons of each; others follow the week
 PAPERS = {"sheet": "The telegram on one page", "poster": "Poster", "wall-chart": "Wall chart"}
 
 
@@ -36,6 +43,7 @@ def content(folder: Path) -> dict[str, Any]:
     """Return the whole course. Captures that the virtual bus plays are kept in a folder, for the next time."""
     papers = [(name, title, (COURSE / f"{name}.svg").read_text()) for name, title in PAPERS.items()]
     return {
+        "days": list(DAYS.items()),
         "lessons": [_lesson(lesson, folder) for lesson in lessons()],
         "glossary": markdown.html(glossary.text()),
         "papers": papers,
@@ -104,7 +112,11 @@ def _blank(blank: Blank) -> dict[str, Any]:
         "accepted": blank.accepted,
     }
     if blank.kind == "telegram":
-        return {**found, "conditions": [{"filter": code, "say": say} for code, say in blank.remarks]}
+        return {
+            **found,
+            "isAnswered": blank.unit == "answered",
+            "conditions": [{"filter": code, "say": say} for code, say in blank.remarks],
+        }
     if blank.kind == "finding":
         return {**found, "points": [markdown.inline(say) for _, say in blank.remarks]}
     return {**found, "mistakes": [{"wrong": code, "say": say} for code, say in blank.remarks]}

@@ -48,7 +48,7 @@ class Blank(NamedTuple):
 
     prompt: str  # Markdown
     kind: str  # one of KINDS, or "choice"
-    unit: str
+    unit: str  # of a number; of a telegram `answered`, if the reaction of a virtual drive counts, too
     choices: list[str]
     accepted: list[str]
     remarks: list[Remark]

@@ -10,29 +10,29 @@ import { readResults } from "./progress.js";
 
 const WORDS = `One machine, one week: each lesson is a problem at the winder. Read, predict, open the packets, build, and prove. What \
 you type is checked at once.`;
-const DAYS = [["Monday", 3], ["Tuesday", 3], ["Wednesday", 3], ["Thursday", 3], ["Friday", 2]]; // and how many lessons
-const WEEK = DAYS.reduce((sum, [, count]) => sum + Number(count), 0); // lessons after it show other roads to a drive
 
 const tasksOf = ({ sections }) => sections.flatMap(({ tasks }) => tasks);
 
-export function courseList({ lessons, papers }, progress, showing) {
+export function courseList({ days, lessons, papers }, progress, showing) {
   const right = lessons.reduce((sum, { name }) => sum + progress.right(name), 0);
   const count = lessons.reduce((sum, lesson) => sum + tasksOf(lesson).length, 0);
+  const week = lessons.slice(0, days.reduce((sum, [, ofDay]) => sum + ofDay, 0));
   const links = [["glossary", "Glossary"], ...papers].flatMap(([id, title]) => [" ", element("a", { href: `#learn/${id}` }, title)]);
   const root = element("article", { className: "page" });
-  const renew = () => root.replaceWith(courseList({ lessons, papers }, progress, showing));
+  const renew = () => root.replaceWith(courseList({ days, lessons, papers }, progress, showing));
   root.append(element("h1", {}, "A course to do"), element("p", {}, WORDS),
     element("p", {}, `${right} of ${count} tasks done.`,
       progress.isKept ? "" : " This browser does not let the page keep your progress.", ...links),
-    ...byDays(lessons).flatMap(([day, ofDay]) => [element("h2", {}, day),
+    ...byDays(days, lessons).flatMap(([day, ofDay]) => [element("h2", {}, day),
       element("ul", { className: "lessons" }, ...ofDay.map((lesson) => item(lesson, progress)))]),
-    element("h2", {}, "Results"), ...ofLearner(lessons.slice(0, WEEK), progress, renew), ...ofTeacher(lessons, showing));
+    element("h2", {}, "Results"), ...ofLearner(week, progress, renew), ...ofTeacher(lessons, showing));
   return root;
 }
 
-function byDays(lessons) {
+// Lessons after the week show other roads to a drive.
+function byDays(days, lessons) {
   let begin = 0;
-  return [...DAYS, ["Other roads", lessons.length]].map(([day, count]) => [day, lessons.slice(begin, begin += Number(count))]);
+  return [...days, ["Other roads", lessons.length]].map(([day, count]) => [day, lessons.slice(begin, begin += count)]);
 }
 
 function item(lesson, progress) {

@@ -52,17 +52,17 @@ export function workbench(selected) {
 }
 
 // What a task asks to be built: right if Wireshark finds all its conditions in the telegram. The checksum is to be worked
-// out. If the kind says so (`unit`), a drive of the virtual bus answers, and its reaction counts, too.
-export function telegramField({ conditions, unit }, { id, text, note }) {
+// out. If it is answered, a drive of the virtual bus does that, and its reaction counts, too.
+export function telegramField({ conditions, isAnswered }, { id, text, note }) {
   const bench = new Workbench({ id, changed: note });
   const heard = element("p", { className: "heard", role: "status" });
   bench.fill({ protocol: "sis", bytes: readBytes(text) ?? [] });
   const judged = async () => {
     const bytes = readBytes(bench.input.value);
     if (!bytes?.length) return { right: null, say: "Type the bytes of a telegram, such as 02 D9." };
-    const reaction = unit === "answered" ? readBytes(await callTap("answered", [asHex(bytes)])) : [];
+    const reaction = isAnswered ? readBytes(await callTap("answered", [asHex(bytes)])) : [];
     const { met, cells } = await fits(telegramCapture("sis", bytes, ...(reaction.length ? [reaction] : [])), conditions.map(({ filter }) => filter));
-    if (unit === "answered") heard.textContent = reaction.length ? `A drive answers: ${asHex(reaction).toUpperCase()}  ${cells[INFO]}` : "No drive answers.";
+    if (isAnswered) heard.textContent = reaction.length ? `A drive answers: ${asHex(reaction).toUpperCase()}  ${cells[INFO]}` : "No drive answers.";
     const open = conditions.filter((_, place) => !met[place]);
     if (open.length) return { right: false, say: open[0].say };
     const left = bytes.length - HEADER - bytes[LENGTH];
