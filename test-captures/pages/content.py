@@ -24,13 +24,8 @@ CAPTURE = Path(sistap.__file__).parents[1]
 _OPENED = re.compile(r"(?:^.+\n)*.*in the\s+folder\s+`test-captures/course`:\n\n    wireshark .*\n\n", re.MULTILINE)
 # What needs a terminal, and what stands in its place in the page: for other readers, a comment that they do not see.
 _TERMINAL = re.compile(r"<!-- with a terminal -->\n.*?<!-- in the page:\n(.*?\n)-->(?:\n|\Z)", re.DOTALL)
-DAYS = {
-    "Monday": 3,
-    "Tuesday": 3,
-    "Wednesday": 3,
-    "Thursday": 3,
-    "Friday": 2,
-}  # lessons of each; others follow the week
+# How many lessons a day of the week has. Those after the week show other roads to a drive.
+DAYS = {"Monday": 3, "Tuesday": 3, "Wednesday": 3, "Thursday": 3, "Friday": 2}
 PAPERS = {"sheet": "The telegram on one page", "poster": "Poster", "wall-chart": "Wall chart"}
 
 
