@@ -9,6 +9,7 @@
 #include <epan/conversation_table.h>
 #include <epan/export_object.h>
 #include <epan/srt_table.h>
+#include <epan/stat_tap_ui.h>
 #include <epan/stats_tree_priv.h>
 
 static const char *const tree_names[] = {"sis", "sertap"};
@@ -64,6 +65,15 @@ open_srts(void)
         srt_table_dissector_init(kind, srts[i].srt_array);
         listen(get_srt_tap_listener_name(kind), &srts[i], get_srt_packet_func(kind));
     }
+}
+
+/* Without fields: with them, each packet has to have a tree. */
+void
+taps_begin(void)
+{
+    if (!process_stat_cmd_arg("sis,rows"))
+        g_error("there are no rows");
+    start_requested_stats();
 }
 
 void
@@ -128,6 +138,7 @@ use_conversations(void)
 void
 taps_close(void)
 {
+    draw_tap_listeners(TRUE);
     close_trees();
     close_srts();
     use_conversations();
