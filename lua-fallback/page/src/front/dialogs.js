@@ -55,7 +55,8 @@ export function askPattern(message, done) {
 const PARTS = [
   ["Part", "Licence", "Source"],
   ["this page, sis.lua, sistap", "GPL-2.0-or-later", "the project that this page is from, in lua-fallback/ and capture/"],
-  ["Wireshark 4.4.5, for WebAssembly by wiregasm 1.9.1", "GPL-2.0-or-later", "https://www.wireshark.org/download/src/all-versions/ and https://github.com/good-tools/wiregasm"],
+  ["Wireshark 4.4.5", "GPL-2.0-or-later", "https://www.wireshark.org/download/src/all-versions/"],
+  ["wiregasm 1.9.1, which builds it for WebAssembly", "GPL-2.0-only", "https://github.com/good-tools/wiregasm; its package says GPLV2, and nothing of later versions"],
   ["in it: GLib, libgcrypt, libgpg-error", "LGPL-2.1-or-later", "as wiregasm's lib/Makefile names them"],
   ["in it: Lua, c-ares, nghttp2, libffi", "MIT", "as wiregasm's lib/Makefile names them"],
   ["in it: PCRE2; zlib", "BSD-3-Clause; Zlib", "as wiregasm's lib/Makefile names them"],
@@ -76,7 +77,7 @@ export function about() {
     element("p", {}, "It shows the SIS protocol of Rexroth and Indramat drives with Wireshark's own dissection. It loads nothing and sends nothing. ",
       "The handbook is in the folder docs beside this file, if it was made: ",
       element("a", { href: "docs/index.html", target: "_blank", rel: "noopener" }, "Help"), ". ",
-      "The whole is under the GNU General Public License, version 2 or later, without any warranty."),
+      "The whole is under the GNU General Public License, version 2, without any warranty. Most parts allow a later version, too."),
     table(PARTS, { name: "Parts and their licences" }), licenceTexts(), button("Close", () => dialog.close()));
   document.body.append(dialog);
   dialog.showModal();
