@@ -23,9 +23,9 @@ class Part(NamedTuple):
 PASSING = ("_loop", "_take_waiting", "_take", "_idle")
 
 # Each room has a file of tests that say what a person would see; they need no tshark.
-EPISODES = ("test_verdicts.py", "test_small_cases.py", "test_kinds.py")
+EPISODES = ("test_borders.py", "test_verdicts.py", "test_small_cases.py", "test_kinds.py")
 PACKETS = ("test_packet_columns.py", "test_figures.py", "test_report_distribution.py")
-ACCESSES = ("test_packet_columns.py", "test_parameter_lines.py", "test_kinds.py", "test_verdicts.py")
+ACCESSES = ("test_packet_columns.py", "test_parameter_lines.py")
 REPORT = ("test_figures.py",)
 PARAMETERS = ("test_parameter_lines.py", "test_backup.py")
 STATIONS = ("test_stations.py",)
@@ -70,7 +70,7 @@ PARTS = (
         "book boots diagnoses episode faults levels machine masters paces silence states trend values writes",
         EPISODES,
     ),
-    *room("sistap/dissected/packets", "apart dissection distribution", PACKETS),
+    *room("sistap/dissected/packets", "apart dissection distribution kept", PACKETS),
     *room("sistap/dissected/accesses", "access listing", ACCESSES),
     *room("sistap/commands/report", "figures pauses tables unjudged windows", REPORT),
     *room("sistap/commands/parameters", "against backup wide writing", PARAMETERS),
