@@ -88,6 +88,12 @@ def test_after_the_next_command_of_another_file_values_are_compared_again() -> N
     assert details(then(first, again), "apart") == ["station 3 S-0-0040: 50 % below S-0-0036"]
 
 
+def test_a_value_that_is_apart_for_minutes_is_told_once() -> None:
+    moves = then(do("write", 3, "S-0-0036", 1000.0), told(SPEED, [1000.0] * 60 + [500.0] * 300))
+    (apart,) = of(moves).of("apart")
+    assert apart.to_s - apart.from_s == pytest.approx(600, abs=10)
+
+
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_a_value_that_swings_as_far_in_each_cycle_has_no_level_there(sign: int) -> None:
     def cycles(count: int) -> list[float]:
