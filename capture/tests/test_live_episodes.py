@@ -21,7 +21,7 @@ from sistap.dissected.episodes.episode import Hit, severity_of
 from sistap.dissected.episodes.live import FIELD, LIVE, LiveEpisodes
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import Packet, Telegram
-from sistap.dissected.wireshark.rows import FRAME, OTHER
+from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.records.record import Event, Type
@@ -101,6 +101,15 @@ def test_a_silent_station_is_told_from_the_first_command_on(bus: Bus) -> None:
     assert bus.kinds[-1] == "silent" and len(bus.told) == 5
     bus.exchange()
     assert len(bus.told) == 5
+
+
+def test_an_event_of_the_tap_is_no_reaction(bus: Bus) -> None:
+    """A marker, say."""
+    bus.ask()
+    bus.packet(kind=EVENT)
+    bus.now_s += 1
+    bus.ask(after_unanswered=True)
+    assert bus.kinds == ["unanswered"]
 
 
 def test_what_may_have_been_the_reaction_is_no_silence(bus: Bus) -> None:
