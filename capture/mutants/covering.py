@@ -66,10 +66,10 @@ PARTS = (
     Part("sistap/dissected/episodes/lines.py", ("test_episode_lines.py", "test_small_cases.py", "test_verdicts.py")),
     *room("sistap/dissected/episodes", "book episode", ("test_book.py", *EPISODES)),
     Part("sistap/dissected/episodes/levels.py", ("test_levels.py", *EPISODES)),
-    *room("sistap/dissected/episodes", "engine live", (*EPISODES, "test_live_episodes.py")),
+    *room("sistap/dissected/episodes", "engine live silence", (*EPISODES, "test_live_episodes.py")),
     *room(
         "sistap/dissected/episodes",
-        "boots diagnoses faults machine masters paces silence states trend values writes",
+        "boots diagnoses faults machine masters paces states trend values writes",
         EPISODES,
     ),
     *room("sistap/dissected/packets", "apart dissection distribution kept", PACKETS),
