@@ -132,6 +132,11 @@ CASES = (
         then(run(130), do("exchange", access(4, SPEED, 1.0, master=LAPTOP), master=LAPTOP), do("ask", 3, LAPTOP)),
         *("", "master 127 asked stations 3, 4: 2 commands, 1 value read, 0 written"),
     ),
+    Case(
+        "master",
+        then(run(130), do("write", 3, "P-0-0123", 5.0, master=LAPTOP)),
+        *("", "master 127 asked station 3: 1 command, 0 values read, 1 written"),
+    ),
     # single telegrams
     Case("late", is_late("reaction", 0.06, 0.05), "station 5", "60.000 ms, TrS 50 ms", 0.03, 0.03),
     Case("late", is_late("reaction", 0.06, 0.05, UNRESOLVED), "station 5", "perhaps: 60.000 ms, TrS 50 ms"),
