@@ -149,6 +149,14 @@ def test_the_worst_of_two_is_told_with_its_time() -> None:
     assert said in of(then(first, pause(60), second)).text
 
 
+def test_of_several_stations_each_has_its_worst() -> None:
+    late = [
+        do("exchange", station=station, is_doubtful=True, reaction=judged(time_s, 0.05, EXCEEDED))
+        for station, time_s in ((4, 0.06), (5, 0.09), (4, 0.07))
+    ]
+    assert "station 4 up to 70 ms, station 5 up to 90 ms" in of(then(*late)).text
+
+
 def test_a_fault_of_a_drive_ends_when_it_says_so() -> None:
     machine = Machine()
     machine.run(60)
