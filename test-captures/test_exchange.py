@@ -398,6 +398,30 @@ def test_a_connection_costs_little(tshark: Tshark, tmp_path: Path) -> None:
     check_many_connections(tshark, 5, tmp_path)
 
 
+def test_over_tcp_a_master_need_not_wait(tshark: Tshark, tmp_path: Path) -> None:
+    """Its next command, to another station, does not give up the one before; a reaction that never comes does."""
+    asked = [(3, False), (4, False), (3, True), (5, False)]
+    segments = [
+        tcp_segment(
+            1024,
+            not is_reaction,
+            1000 + 10 * number,
+            1000,
+            build(0x12, 16, station, b"\0\2" * is_reaction, reaction=is_reaction),
+        )
+        for number, (station, is_reaction) in enumerate(asked)
+    ]
+    capture = tmp_path / "tcp.pcapng"
+    capture.write_bytes(
+        pcapng.section_header("", "")
+        + pcapng.interface_description(pcapng.Interface(228, "tcp"))
+        + b"".join(pcapng.enhanced_packet(0, 10**18 + 10**6 * at, data) for at, data in enumerate(segments))
+    )
+    found = shown(tshark, capture, "reaction_in command.unanswered", "-2", "-d", "tcp.port==1024,sis")
+    assert [*found[1]] == ["reaction_in"]
+    assert [*found[2]] == ["command.unanswered"]
+
+
 def test_point_to_point(tshark: Tshark) -> None:
     fields = "reaction_in command_in repeat_of sequence.whole_in sequence.length"
     experts = f"{EXPERTS} reaction.to_damaged sequence.piece_missing"

@@ -23,8 +23,9 @@ class Part(NamedTuple):
 PASSING = ("_loop", "_take_waiting", "_take", "_idle")
 
 # Each room has a file of tests that say what a person would see; they need no tshark.
-EPISODES = ("test_verdicts.py", "test_small_cases.py", "test_kinds.py")
+EPISODES = ("test_borders.py", "test_verdicts.py", "test_small_cases.py", "test_kinds.py")
 PACKETS = ("test_packet_columns.py", "test_figures.py", "test_report_distribution.py")
+ACCESSES = ("test_packet_columns.py", "test_parameter_lines.py")
 REPORT = ("test_figures.py",)
 PARAMETERS = ("test_parameter_lines.py", "test_backup.py")
 STATIONS = ("test_stations.py",)
@@ -63,14 +64,18 @@ PARTS = (
     Part("sistap/dissected/episodes/readings.py", ("test_readings.py", "test_verdicts.py")),
     Part("sistap/dissected/episodes/folding.py", ("test_folding.py", *EPISODES)),
     Part("sistap/dissected/episodes/lines.py", ("test_episode_lines.py", "test_small_cases.py", "test_verdicts.py")),
-    *room("sistap/dissected/episodes", "engine live", (*EPISODES, "test_live_episodes.py")),
+    *room("sistap/dissected/episodes", "book episode", ("test_book.py", *EPISODES)),
+    Part("sistap/dissected/episodes/levels.py", ("test_levels.py", *EPISODES)),
+    *room("sistap/dissected/episodes", "engine live silence", (*EPISODES, "test_live_episodes.py")),
     *room(
         "sistap/dissected/episodes",
-        "book boots diagnoses episode faults levels machine masters paces silence states trend values writes",
+        "boots diagnoses faults machine masters paces states trend values writes",
         EPISODES,
     ),
-    *room("sistap/dissected/packets", "apart dissection distribution", PACKETS),
+    *room("sistap/dissected/packets", "apart dissection distribution kept", PACKETS),
+    *room("sistap/dissected/accesses", "access listing", ACCESSES),
     *room("sistap/commands/report", "figures pauses tables unjudged windows", REPORT),
+    Part("sistap/commands/report/gather.py", ("test_report_since.py", *REPORT)),
     *room("sistap/commands/parameters", "against backup wide writing", PARAMETERS),
     *room(
         "sistap/dissected/telegrams",

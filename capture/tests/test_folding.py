@@ -138,6 +138,18 @@ def test_a_silence_and_a_boot_soon_after_it_are_a_machine_that_was_off(later_s: 
     assert kinds(silent, boot) == (["off"] if is_off else ["bus_silent", "boot"])
 
 
+def test_a_machine_was_off_since_the_last_silence_before_its_boot() -> None:
+    silences = [episode("bus_silent", begin_s, begin_s + 20) for begin_s in (900, 950)]
+    (off,) = (one for one in fold([*silences, episode("boot", 1000, 1020)], 1000, THRESHOLDS) if one.kind == "off")
+    assert off.from_s == 950
+
+
+def test_after_the_fault_of_one_drive_an_emergency_stop_is_still_one() -> None:
+    alone = episode("fault", 0, 100, 3, topic="F4034")
+    both = [episode("fault", 1000, 1100, station, topic="F4034") for station in (3, 4)]
+    assert kinds(alone, *both) == ["fault", "estop"]
+
+
 @pytest.mark.parametrize(
     ("later_s", "station", "parameter", "is_cause"),
     [

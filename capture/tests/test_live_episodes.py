@@ -9,6 +9,7 @@ from pathlib import Path
 
 import planted
 import pytest
+from machines import access as measured
 
 from sistap.commands.recorder import recorder as recorder_module
 from sistap.commands.recorder.keeper import Around
@@ -20,7 +21,7 @@ from sistap.dissected.episodes.episode import Hit, severity_of
 from sistap.dissected.episodes.live import FIELD, LIVE, LiveEpisodes
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import Packet, Telegram
-from sistap.dissected.wireshark.rows import FRAME, OTHER
+from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.records.record import Event, Type
@@ -102,6 +103,15 @@ def test_a_silent_station_is_told_from_the_first_command_on(bus: Bus) -> None:
     assert len(bus.told) == 5
 
 
+def test_an_event_of_the_tap_is_no_reaction(bus: Bus) -> None:
+    """A marker, say."""
+    bus.ask()
+    bus.packet(kind=EVENT)
+    bus.now_s += 1
+    bus.ask(after_unanswered=True)
+    assert bus.kinds == ["unanswered"]
+
+
 def test_what_may_have_been_the_reaction_is_no_silence(bus: Bus) -> None:
     bus.ask()
     bus.packet(kind=OTHER)
@@ -117,6 +127,20 @@ def test_a_station_that_never_answered_is_perhaps_not_there(bus: Bus) -> None:
         bus.now_s += 1
         bus.ask(9, after_unanswered=True)
     assert bus.told == []
+
+
+@pytest.mark.parametrize("is_heard", [True, False])
+def test_after_a_command_that_perhaps_nobody_took_nothing_is_apart_from_the_last_one(*, is_heard: bool) -> None:
+    bus = Bus()
+    bus.exchange(measured(3, "S-0-0036", 1000.0, is_write=True))
+    for rpm in [1000.0] * 60 + [500.0] * 30:
+        if rpm < 1000 and not is_heard:
+            bus.packet(telegram(16, 3, {"sis.parameter": "S-0-0036", "sis.service": "0x1f"}))
+            bus.ask(after_unanswered=True)
+            bus.answer()
+        bus.now_s += 1
+        bus.exchange(measured(3, "S-0-0040", rpm))
+    assert ("apart" in bus.kinds) is is_heard
 
 
 def test_a_new_master_is_told_when_it_comes_and_when_it_comes_back(bus: Bus) -> None:

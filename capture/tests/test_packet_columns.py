@@ -13,7 +13,7 @@ from no_tap import NoTap
 
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.packets.dissection import Dissection, Packet, packet_of
-from sistap.dissected.packets.kept import Span
+from sistap.dissected.packets.kept import Kept, Span
 from sistap.dissected.wireshark.rows import EVENT, FRAME, JOINT, OTHER
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.line.settings import Flag
@@ -143,6 +143,12 @@ def test_each_of_several_telegrams_has_its_faults_and_the_record_its_own() -> No
     assert [fault.name for fault in packet.faults] == ["error_reaction", "error_reaction", "line_error"]
 
 
+def test_what_only_the_second_telegram_says_is_its_own() -> None:
+    said = {"frame.number": "7", "sis.start": several("0x02", "0x02"), "sis.talker": several("1", "3")}
+    packet = packet_of(said | {"sis.status": "0x01", "sis.packed": "sis.start=1 sis.status=1 sis.talker=1"})
+    assert [(one.talker, one.status) for one in packet.telegrams] == [(1, None), (3, 1)]
+
+
 def test_other_words_of_a_telegram() -> None:
     (one,) = of(
         sis__repeat_of="3", sis__phase=several("4", "2"), sis__control__error="True", sis__listener="3"
@@ -208,6 +214,15 @@ def test_packets_of_several_captures_count_on_and_so_do_their_seconds() -> None:
         again = [(one.number, one.time_s) for one in reading.again([Span(1, 1), Span(100.5, 101)])]
         assert again == [(2, 1), (4, 100.5), (5, 101)]
         assert "sis.talker" in reading.missing and "sis.start" not in reading.missing
+
+
+@pytest.mark.parametrize("span", [Span(0, 2), Span(4, 6)])
+def test_what_is_kept_is_found_where_times_are_out_of_order(span: Span) -> None:
+    with Kept() as kept:
+        for time_s in (5, 1, 3):
+            kept.put(time_s, str(time_s))
+        assert [*kept.rows([span])] == ["5", "1", "3"]
+        assert [*kept.rows([Span(6, 7)])] == []
 
 
 def test_what_was_told_before_a_file_has_no_number() -> None:

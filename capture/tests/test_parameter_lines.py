@@ -10,6 +10,7 @@ from sistap.commands.parameters import against, wide
 from sistap.commands.parameters.backup import Drive, Saved
 from sistap.commands.parameters.reading import FoundAccess
 from sistap.commands.parameters.writing import list_as_csv, list_as_text, user_table
+from sistap.dissected.accesses import listing
 from sistap.dissected.accesses.access import Access
 from sistap.dissected.accesses.listing import AccessPlace, Listing
 from sistap.dissected.telegrams.attribute import Attribute, Format
@@ -40,6 +41,32 @@ def test_a_row_of_the_list() -> None:
     assert [word.strip() for word in row.split("  ") if word.strip()] == words
     assert not {"Port", "File", "Bytes"} & set(heads.split())
     assert [*list_as_text(listed(), several_files=False)] == []
+
+
+def test_after_a_write_of_a_part_the_value_is_not_known() -> None:
+    """Of a list, say: a segment was written."""
+    made = Listing()
+    read, write = access(3, SPEED, 7.0), access(3, SPEED, 7.0, is_write=True)
+    part = write._replace(data=None, value="a part")
+    changes = [made.add(AccessPlace("a", packet, 0.0), one) for packet, one in enumerate((read, write, part, write), 1)]
+    assert [change and change.before for change in changes] == [None, None, "7.0 rpm", None]
+    assert [change is not None for change in changes] == [False, False, True, True]
+
+
+@pytest.mark.parametrize("number", [1.0, 2.0])
+def test_a_value_that_was_read_once_is_the_least_and_the_greatest(number: float) -> None:
+    (one,) = listed(access(3, SPEED, number))
+    assert one.least and one.greatest and (one.least.number, one.greatest.number) == (number, number)
+
+
+def test_who_asked() -> None:
+    assert [access(3, SPEED, 1.0, master=master).by for master in (0, 127, None)] == ["0", "127", "ASCII"]
+
+
+def test_accesses_that_do_not_fit_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(listing, "MOST", 1)
+    made = listed(access(3, SPEED, 1.0), access(4, SPEED, 1.0), access(4, SPEED, 1.0))
+    assert (len(made), made.left_out) == (1, 2)
 
 
 def test_columns_that_only_some_need() -> None:

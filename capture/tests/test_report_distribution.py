@@ -35,6 +35,13 @@ def test_a_share_of_many_times_is_as_exact_as_a_bin(times: list[float], share: f
     assert least_s <= within_s <= least_s * BIN * (1 + 1e-9)
 
 
+def test_of_many_times_the_later_ones_count_too() -> None:
+    distribution = Distribution()
+    distribution.add([0.001] * Distribution.FEW)
+    distribution.add([0.005] * 3 * Distribution.FEW)
+    assert (distribution.within_s(0.25), distribution.within_s(0.5)) == (0.001, 0.005)
+
+
 @given(st.lists(st.lists(TIMES)))
 def test_count_sum_and_extremes_are_exact(parts: list[list[float]]) -> None:
     distribution = Distribution()

@@ -98,6 +98,17 @@ def test_what_came_before_only_says_what_is_usual(capsys: pytest.CaptureFixture[
     assert all(window["start_s"] >= 0 and window["packets"] for window in late["windows"])
 
 
+def test_what_begins_before_and_ends_later_is_told(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
+    def lasts_s(one: dict[str, Any]) -> float:
+        return (datetime.fromisoformat(one["to"]) - datetime.fromisoformat(one["from"])).total_seconds()
+
+    long = max((one for one in told(capsys, folder)["episodes"] if one["kind"] == "silent"), key=lasts_s)
+    began = datetime.fromisoformat(long["from"])
+    middle = began + timedelta(seconds=lasts_s(long) / 2)
+    late = told(capsys, "--since", f"{middle:%Y-%m-%dT%H:%M:%SZ}", folder)
+    assert ("silent", long["from"]) in [(one["kind"], one["from"]) for one in late["episodes"]]
+
+
 def test_files_that_end_before_are_not_read(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
     report = told(capsys, "--since", "2026-03-14T21:05:00Z", folder)
     assert report["capture"].startswith("ring_00002_")

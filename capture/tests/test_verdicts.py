@@ -132,6 +132,11 @@ CASES = (
         then(run(130), do("exchange", access(4, SPEED, 1.0, master=LAPTOP), master=LAPTOP), do("ask", 3, LAPTOP)),
         *("", "master 127 asked stations 3, 4: 2 commands, 1 value read, 0 written"),
     ),
+    Case(
+        "master",
+        then(run(130), do("write", 3, "P-0-0123", 5.0, master=LAPTOP)),
+        *("", "master 127 asked station 3: 1 command, 0 values read, 1 written"),
+    ),
     # single telegrams
     Case("late", is_late("reaction", 0.06, 0.05), "station 5", "60.000 ms, TrS 50 ms", 0.03, 0.03),
     Case("late", is_late("reaction", 0.06, 0.05, UNRESOLVED), "station 5", "perhaps: 60.000 ms, TrS 50 ms"),
@@ -267,6 +272,11 @@ CASES = (
         *("station 5 P-0-0123", "12 rpm by new master 127; still set at the end"),
     ),
     Case(
+        "write",
+        then(run(150), do("write", 5, "S-0-0134", "0b1110000000000000", master=LAPTOP), run(60)),
+        *("station 5 S-0-0134", "0b1110000000000000 by new master 127; still set at the end"),  # a control word
+    ),
+    Case(
         "conflict",
         writes("P-0-0123", (PLC, 12), (PANEL, 15), (PLC, 12), (PANEL, 16)),
         *("station 5 P-0-0123", "master 1 12 rpm, master 2 16 rpm; at the end 16 rpm"),
@@ -308,6 +318,9 @@ STATE = [access(5, "P-0-0222", str(value)) for value in [1] * 20 + [0] * 3 + [1]
 QUIET: Sequence[tuple[str, Play]] = (
     ("write", then(reads(access(5, "P-0-0123", 12.0)), writes("P-0-0123", (PLC, 12.0)))),  # it was so
     ("", writes("P-0-0123", (PLC, 12), (PLC, 12))),
+    ("write", writes("P-0-0123", *[(PLC, 12)] * 10, (PLC, 13), every_s=2)),  # it is written again and again
+    ("write", then(run(150), do("write", 5, "S-0-0134", "0b1110000000000000"), run(60))),  # by the usual master
+    ("conflict", writes("P-0-0123", (PLC, 12), (PLC, 15), (PLC, 12), (PLC, 16))),  # one master
     ("drift", told("S-0-0051", RISES, every_s=30, unit="mm")),  # a position
     ("master", turn(9, 200)),  # a control that takes turns
     ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too

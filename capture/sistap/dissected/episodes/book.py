@@ -33,8 +33,9 @@ class _Page:
         return is_new
 
     def _put(self, episodes: list[Episode], episode: Episode) -> bool:
-        if episodes and self._join_s and abs(episode.from_s - episodes[-1].to_s) < self._join_s:
-            episodes[-1].join(episode)
+        last = episodes[-1] if episodes else None
+        if last and self._join_s and max(episode.from_s - last.to_s, last.from_s - episode.to_s) < self._join_s:
+            last.join(episode)
             return False
         episodes.append(episode)
         return True

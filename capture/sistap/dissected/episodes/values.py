@@ -122,7 +122,7 @@ class Values:
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Forget commands that the drive perhaps did not take."""
         if packet.is_kept_apart:
-            self._lose_commands(packet.interface)
+            self._lose_commands()
         for telegram in packet.telegrams:
             if telegram.unanswered and telegram.good and passes(WRITE.tests, telegram.columns):
                 self._lose_command(packet.interface, telegram)
@@ -202,10 +202,10 @@ class Values:
         for levels in (followed.levels, followed.stopped):
             levels.scale = max(levels.scale, abs(said.number))
 
-    def _lose_commands(self, port: str) -> None:
+    def _lose_commands(self) -> None:
         """Forget commands: nobody has heard the last ones."""
-        for parameter, followed in self._followed.items():
-            followed.is_command_lost |= parameter.port == port and followed.command is not None
+        for followed in self._followed.values():
+            followed.is_command_lost |= followed.command is not None
 
     def _lose_command(self, port: str, telegram: Telegram) -> None:
         for parameter, followed in self._followed.items():

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Hits become episodes: joined, bounded, and found by a display filter."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sistap.dissected.episodes.book import MOST, Book
+from sistap.dissected.episodes.episode import PACKETS, Episode, Hit
+from sistap.dissected.episodes.rules import RULES
+
+
+def hit(second: float, kind: str = "late", **more: Any) -> Hit:
+    return Hit(kind, int(second) + 1, second, second, 3)._replace(**more)
+
+
+def test_hits_soon_after_one_another_are_one_episode_of_the_worst() -> None:
+    book = Book()
+    assert len(book.add(hit(second, worst=second) for second in (0, 25, 50, 500))) == 2
+    first, last = book.episodes()
+    assert (first.count, first.from_s, first.to_s, first.hit.worst) == (3, 0, 50, 50)
+    assert (last.count, last.packets, last.filter) == (1, [501], "frame.number in {501}")
+
+
+def test_the_memory_of_a_month_of_hits_is_bounded() -> None:
+    book = Book()
+    book.add(hit(100.0 * number, "bus_silent") for number in range(30_000))
+    episodes = book.episodes()
+    assert len(episodes) <= MOST
+    assert sum(episode.count for episode in episodes) == 30_000
+    assert all(len(episode.packets) <= PACKETS for episode in episodes)
+    assert (episodes[0].from_s, episodes[-1].to_s) == (0, 2_999_900)
+
+
+def test_the_filter_of_a_silence_finds_all_of_it() -> None:
+    silent = Episode.of(Hit("silent", 7, 100.0, 190.0, 4))
+    assert (
+        silent.filter
+        == f"frame.time_epoch >= 99.999998 && frame.time_epoch <= 190.000002 && ({RULES['silent'].filter})"
+    )
+    assert Episode.of(Hit("silent", 7, 100.0, 100.5, 4)).filter == "frame.number in {7}"
+    assert Episode.of(Hit("bus_silent", 7, 100.0, 190.0)).filter == "frame.number in {7}"  # no packet is in it

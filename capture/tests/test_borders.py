@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is nearly something else: each border that decides what a person reads of a machine, from both sides."""
+
+from __future__ import annotations
+
+from operator import methodcaller as do
+
+import pytest
+from machines import FAULT, PLC, SPEED, Machine, Told, access, judged, telegram, undescribed
+from test_kinds import TORQUE, Play, about, event, firmware, pause, reaction, reads, run, then, told, writes
+
+from sistap.dissected.packets.dissection import EXCEEDED
+from sistap.tap.line.settings import Flag
+from sistap.tap.records.record import KEPT, Event
+from sistap.tap.sis.faults import FAULTS
+
+NEXT_FILE = event(Event.CAPTURE_STARTED, f"a tap{KEPT}late")
+
+
+def of(play: Play, *drives: int) -> Told:
+    machine = Machine(*drives)
+    play(machine)
+    return machine.told()
+
+
+def details(play: Play, kind: str) -> list[str]:
+    """Return what is said of a kind: at whom, and what."""
+    return [f"{one.who}: {one.detail}" for one in of(play).of(kind)]
+
+
+def test_a_device_is_exchanged_once() -> None:
+    assert details(firmware("FWA-1", "FWA-2", "FWA-2"), "exchanged") == ["station 5: firmware FWA-1 -> FWA-2"]
+
+
+def test_a_pause_in_a_command_is_one_of_the_master() -> None:
+    """TzA is between the characters of whoever talks."""
+    slow = telegram(PLC, 4, is_doubtful=True, pause=judged(0.003, 0.002, EXCEEDED), pause_position=7)
+    assert details(do("put", slow), "interval") == ["station 1: 3.000 ms before character 7, TzA 2 ms"]
+
+
+@pytest.mark.parametrize("flag", [0, Flag.LOST_BEFORE])
+def test_a_pause_in_which_characters_were_lost_is_none(flag: int) -> None:
+    slow = telegram(5, PLC, is_reaction=True, is_doubtful=True, pause=judged(0.003, 0.002, EXCEEDED))
+    assert len(details(do("put", slow, errors=int(flag)), "interval")) == (flag == 0)
+
+
+def test_a_station_that_only_refuses_is_known_when_it_is_damaged() -> None:
+    refusing = do("exchange", station=9, is_refusal=True, status=1)
+    assert details(then(refusing, do("damage", 9)), "damaged") == ["station 9: its checksum is wrong"]
+
+
+def test_noise_is_damage_only_while_a_reaction_is_due() -> None:
+    assert details(then(run(5), do("noise"), run(5)), "damaged") == []
+    assert len(details(then(run(5), do("ask", 4), do("noise"), run(5)), "damaged")) == 1
+
+
+@pytest.mark.parametrize(("stations", "is_boot"), [((4, 5), False), ((4, 5, 6), True)])
+def test_half_of_all_stations_are_a_machine_that_starts(stations: tuple[int, ...], *, is_boot: bool) -> None:
+    found = of(then(run(30), do("boot", *stations)), 3, 4, 5, 6, 7, 8)
+    assert [one.detail.partition(",")[0] for one in found.of("boot")] == ["stations 4"] * is_boot
+
+
+def test_a_long_initialisation_is_one() -> None:
+    """Its steps are within a minute of one another; all of it takes longer."""
+    (boot,) = of(then(do("boot", 3), run(50), do("boot", 4), run(50), do("boot", 5))).of("boot")
+    assert boot.detail.startswith("stations 3, 4, 5, ready 1")
+    assert boot.to_s - boot.from_s == pytest.approx(105, abs=2)
+
+
+@pytest.mark.parametrize(("name", "kind"), [("error_reaction", "error"), ("damaged", "damaged")])
+def test_a_fault_of_another_protocol_has_no_station(name: str, kind: str) -> None:
+    """Of ECODRIVE's ASCII protocol, say: the packet has no telegram."""
+    faults = tuple(fault for fault in FAULTS if fault.name == name)
+    assert details(do("put", faults=faults), kind) == [": "]
+
+
+# -- Values and their commands ---------------------------------------------------------------------------------------
+
+
+def test_a_command_that_is_a_text_is_none() -> None:
+    assert details(then(do("write", 3, "S-0-0036", "stop"), told(SPEED, [1000.0] * 90)), "step") == []
+
+
+def test_after_the_next_command_of_another_file_values_are_compared_again() -> None:
+    """What was commanded between the two files, nobody has heard."""
+    first = then(do("write", 3, "S-0-0036", 1000.0), told(SPEED, about(1000, 60)), NEXT_FILE)
+    again = then(do("write", 3, "S-0-0036", 1000.0), told(SPEED, [500.0] * 60))
+    assert details(then(first, again), "apart") == ["station 3 S-0-0040: 50 % below S-0-0036"]
+
+
+def test_a_value_that_is_apart_for_minutes_is_told_once() -> None:
+    moves = then(do("write", 3, "S-0-0036", 1000.0), told(SPEED, [1000.0] * 60 + [500.0] * 300))
+    (apart,) = of(moves).of("apart")
+    assert apart.to_s - apart.from_s == pytest.approx(600, abs=10)
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_value_that_swings_as_far_in_each_cycle_has_no_level_there(sign: int) -> None:
+    def cycles(count: int) -> list[float]:
+        swings = {0: 60, 5: -60}
+        return [100 + swings.get(number % 10, 0) + one for number, one in enumerate(about(0, count))]
+
+    swinging = [*cycles(200), *about(100 + sign * 50, 30, seed=2), *cycles(200)]
+    assert details(told(TORQUE, swinging, unit="%"), "step") == []
+    resting = [*about(100, 200), *about(100 + sign * 50, 30, seed=2), *about(100, 200, seed=3)]
+    assert len(details(told(TORQUE, resting, unit="%"), "step")) == 1
+
+
+def test_a_value_that_drifts_in_steps_has_a_drift_and_no_steps() -> None:
+    stairs = [30 + 3 * (number // 12) + one for number, one in enumerate(about(0, 120, by=0.1))]
+    found = of(told(TORQUE, stairs, every_s=30, unit="%"))
+    assert "drift" in found.kinds and "step" not in found.kinds
+    stairs[60:72] = [one + 15 for one in stairs[60:72]]
+    assert len(details(told(TORQUE, stairs, every_s=30, unit="%"), "step")) == 1
+
+
+def test_a_drive_stands_by_the_scale_of_its_speed() -> None:
+    """Its bytes were larger numbers than its revolutions, once somebody has read its attribute."""
+    raw = undescribed(3, SPEED, (10_000_000).to_bytes(4, "little"))
+    found = of(then(reads(*[raw] * 60, every_s=1), reads(*[access(3, SPEED, 1000.0)] * 60, every_s=1)))
+    assert found.of("stopped") == []
+
+
+# -- Masters and writes ----------------------------------------------------------------------------------------------
+
+
+def test_a_drive_that_rounds_one_value_and_takes_another_as_it_is() -> None:
+    written = writes("P-0-0123", (PLC, 12.0))
+    as_written = reads(access(5, "P-0-0123", 12.0))
+    rounded = then(do("write", 5, "P-0-0123", 12.34), reads(access(5, "P-0-0123", 12.3)))
+    assert details(then(written, as_written, rounded), "other") == []
+
+
+def test_a_slow_drive_is_told_after_half_an_hour() -> None:
+    """Nobody judges a shorter time."""
+
+    def slower(minutes: int) -> Play:
+        times_s = [0.010] * minutes + [0.030] * minutes
+        return then(*(then(reaction(20, reaction=judged(time_s, 0.05, 0)), pause(59.4)) for time_s in times_s))
+
+    assert (len(details(slower(14), "slower")), len(details(slower(17), "slower"))) == (0, 1)
+
+
+def test_the_worst_of_two_is_told_with_its_time() -> None:
+    first, second = (
+        reaction(is_doubtful=True, reaction=judged(time_s, 0.05, EXCEEDED), status=0) for time_s in (0.06, 0.09)
+    )
+    said = "2 reactions later than TrS (worst 90 ms at 06:01:00, station 5, 06:00:00 to 06:01:00)"
+    assert said in of(then(first, pause(60), second)).text
+
+
+def test_of_several_stations_each_has_its_worst() -> None:
+    late = [
+        do("exchange", station=station, is_doubtful=True, reaction=judged(time_s, 0.05, EXCEEDED))
+        for station, time_s in ((4, 0.06), (5, 0.09), (4, 0.07))
+    ]
+    assert "station 4 up to 70 ms, station 5 up to 90 ms" in of(then(*late)).text
+
+
+def test_a_fault_of_a_drive_ends_when_it_says_so() -> None:
+    machine = Machine()
+    machine.run(60)
+    machine.says[4] = FAULT
+    machine.run(60)
+    machine.says[4] = 0xA0101
+    machine.run(60)
+    (found,) = machine.told().of("fault")
+    assert found.to_s - found.from_s == pytest.approx(60, abs=2.5)
+
+
+def test_what_is_to_be_looked_at_is_counted_beside_a_fault_that_lasts() -> None:
+    def breaks(machine: Machine) -> None:
+        machine.says[4] = FAULT
+
+    said = of(then(run(60), firmware("FWA-1", "FWA-2"), breaks, run(60)))
+    assert said.lines[0].partition(": ")[2].partition(".")[0] == "now fault F2028 (station 4); 1 thing to look at"
