@@ -251,8 +251,7 @@ class _CaptureInTurn:
 class Dissection:
     """Captures as the installed dissector sees them, in two passes, so that later packets can explain earlier ones.
 
-    Several are read as one, but each by a tshark of its own: the dissector knows nothing of those before. Use it in a
-    `with`.
+    Several are read as one, each by a tshark of its own. Use it in a `with`.
     """
 
     def __init__(  # noqa: PLR0913 - each comes from another part
@@ -312,15 +311,17 @@ class Dissection:
         number = 0
         for portion in self._captures:
             self._parts.append(_CaptureInTurn(number - portion.told))
-            for packet in self._of_part(portion.path, self._parts[-1]):
+            for packet in self._of_part(portion, self._parts[-1]):
                 number = packet.number
                 yield packet
 
-    def _of_part(self, capture: Path, part: _CaptureInTurn) -> Iterator[Packet]:
+    def _of_part(self, portion: Portion, part: _CaptureInTurn) -> Iterator[Packet]:
         came = False
         try:
-            for row in self._read(capture):
+            for row in self._read(portion.path):
                 packet = self._rows.packet(row)
+                if not portion.owns(packet.number):
+                    continue
                 if self._zero_s is None and packet.epoch_s >= self._since_s:
                     self._zero_s, part.later_s = packet.epoch_s, -packet.time_s
                 elif self._zero_s is not None and not came:
@@ -332,7 +333,7 @@ class Dissection:
                     part.kept.put(packet.time_s, row)
                 yield packet
         except TsharkError as error:
-            self.warning = "; ".join(filter(None, [self.warning, damage(capture, error, came)]))
+            self.warning = "; ".join(filter(None, [self.warning, damage(portion.path, error, came)]))
 
     def _read(self, capture: Path) -> Iterator[Any]:
         """Return the rows of all packets of a capture, and prepare for them."""
