@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 from sistap.dissected.captures import reading
+from sistap.dissected.captures.apart import check_apart
 from sistap.tap.common.packed import is_text, making, no_capture
 from sistap.tap.files import pcapng
 from sistap.tap.records.record import KEPT, Event
@@ -20,7 +21,7 @@ _USB = {186, 189, 220, 249, 266}  # link types (tcpdump.org/linktypes.html): Fre
 def check_captures(named: Iterable[Path], say: Callable[[str], None], output: str | None = None) -> list[Path]:
     """Return all captures, those of a folder one by one. Say what is left out of a folder because it cannot be read.
 
-    Refusal unless all others can be read, twice, and none is the output.
+    Refusal unless all others can be read, twice, and none is the output or there twice.
     """
     captures = [capture for path in named for capture in (_readable(_inside(path), say) if path.is_dir() else [path])]
     for capture in captures:
@@ -32,6 +33,7 @@ def check_captures(named: Iterable[Path], say: Callable[[str], None], output: st
             raise Refusal(f"cannot read {capture}: {error.strerror}; name a capture file") from None
         if output and Path(output).exists() and capture.samefile(output):
             raise Refusal(f"{output} is the capture itself; name another file with -o")
+    check_apart(captures)
     return captures
 
 
