@@ -14,6 +14,8 @@ import pytest
 from commands import refused, run
 from report_capture import ACCEPT, ANSWER, BUS, READ, READ_4, SET_TRS, SET_TZA, Sent, write
 
+from sistap.dissected.captures import reading
+from sistap.tap.files import pcapng
 from sistap.tap.line.settings import Flag
 from sistap.tap.sis.telegram import build
 
@@ -187,6 +189,20 @@ def test_a_capture_and_itself(tmp_path: Path, bus: dict[str, Path]) -> None:
     compared = json.loads(done.stdout)
     assert not compared["differs"]
     assert all(times["half_within"]["may_be_chance"] for times in compared["times"])
+
+
+@pytest.mark.parametrize("at", [4, 5, 9, 11])
+def test_a_side_may_be_in_several_files(tmp_path: Path, at: int) -> None:
+    """They are read as one, wherever they begin: limits hold, and a reaction may belong to the file before."""
+    good = write(tmp_path / "good.pcapng", [Sent(READ), Sent(ANSWER)])
+    bad = write(tmp_path / "bad.pcapng", BUS)
+    blocks = [pcapng.section_header("", ""), pcapng.interface_description(pcapng.Interface(252, "test"))]
+    packets = [pcapng.enhanced_packet(0, one.time_ns or 0, one.data) for one in reading.packets(bad)]
+    for name, some in (("1", packets[:at]), ("2", packets[at:])):
+        (tmp_path / name).write_bytes(b"".join([*blocks, *some]))
+    whole, cut = (as_json(tmp_path, "--good", good, "--bad", *files) for files in ([bad], ["1", "2"]))
+    for name in ("settings", "times", "services", "episodes"):
+        assert cut[name] == whole[name], name
 
 
 @pytest.mark.thorough

@@ -5,14 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
-from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
 from sistap.dissected.accesses.access import FIELD, Access, accesses
 from sistap.dissected.accesses.listing import AccessPlace
 from sistap.dissected.captures import portions
-from sistap.dissected.captures.joining import in_order, is_foreign
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.wireshark import rows
 from sistap.dissected.wireshark.trouble import damage
@@ -36,11 +34,10 @@ class FoundAccess(NamedTuple):
 
 def found(tshark: Tshark, captures: Iterable[Path], say: Callable[[str], None]) -> Iterator[FoundAccess]:
     """Yield all accesses up to a damage, which is reported. Raise Refusal."""
-    for is_alone, several in groupby(in_order(captures), is_foreign):
-        for run in [[capture] for capture in several] if is_alone else [[*several]]:
-            with closing(portions.in_turn(run, _TOGETHER, say)) as parts:
-                for portion in parts:
-                    yield from _of_portion(tshark, portion, say)
+    for several in portions.as_one(captures):
+        with closing(portions.in_turn(several, _TOGETHER, say)) as parts:
+            for portion in parts:
+                yield from _of_portion(tshark, portion, say)
 
 
 def _of_portion(tshark: Tshark, portion: Portion, say: Callable[[str], None]) -> Iterator[FoundAccess]:

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import suppress
-from itertools import chain, islice
+from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -75,6 +75,15 @@ def in_turn(captures: Sequence[Path], most: int, say: Callable[[str], None]) -> 
             portion = cutting.write(folder / "portion.pcapng")
             if portion.own:  # not if all are deleted by now
                 yield portion
+
+
+def as_one(captures: Iterable[Path]) -> Iterator[list[Path]]:
+    """Yield captures that can be read as one, in the order of their time. A foreign one is alone."""
+    for is_alone, several in groupby(in_order(captures), is_foreign):
+        if is_alone:
+            yield from ([capture] for capture in several)
+        else:
+            yield [*several]
 
 
 def _size(capture: Path) -> int:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import itertools
 import math
 import struct
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -232,6 +233,7 @@ class Packet:
 class _CaptureInTurn:
     """A capture among those that are read as one."""
 
+    portion: Portion
     before: int  # packets of those before it
     later_s: float = 0.0  # its seconds begin so much later than those of all; below 0: earlier
     kept: Kept = field(default_factory=Kept)
@@ -298,6 +300,12 @@ class Dissection:
         """Yield all packets, once. May raise Refusal."""
         return _of_traffic(self._packets())
 
+    def place(self, packet: Packet) -> tuple[Path, int]:
+        """Return the capture of a packet, and its number there."""
+        after = bisect_left(self._parts, packet.number, key=lambda part: part.before + part.portion.told)
+        part = self._parts[after - 1]
+        return part.portion.place(packet.number - part.before)
+
     def again(self, spans: Collection[Span]) -> Iterator[Packet]:
         """Yield again the packets that begin in these spans."""
         for part in self._parts:
@@ -310,7 +318,7 @@ class Dissection:
     def _packets(self) -> Iterator[Packet]:
         number = 0
         for portion in self._captures:
-            self._parts.append(_CaptureInTurn(number - portion.told))
+            self._parts.append(_CaptureInTurn(portion, number - portion.told))
             for packet in self._of_part(portion, self._parts[-1]):
                 number = packet.number
                 yield packet
