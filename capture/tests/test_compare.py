@@ -14,6 +14,8 @@ import pytest
 from commands import refused, run
 from report_capture import ACCEPT, ANSWER, BUS, READ, READ_4, SET_TRS, SET_TZA, Sent, write
 
+from sistap.dissected.captures import reading
+from sistap.tap.files import pcapng
 from sistap.tap.line.settings import Flag
 from sistap.tap.sis.telegram import build
 
@@ -182,9 +184,25 @@ def test_another_evening_is_nothing_to_cry_about(tmp_path: Path, bus: dict[str, 
 
 @pytest.mark.thorough
 def test_a_capture_and_itself(tmp_path: Path, bus: dict[str, Path]) -> None:
-    compared = as_json(tmp_path, bus["night"], bus["night"])
+    done = run(tmp_path, "compare", bus["night"], bus["night"], "--format", "json")
+    assert "night.pcapng is named twice: what is on both sides cannot differ" in " ".join(done.stderr.split())
+    compared = json.loads(done.stdout)
     assert not compared["differs"]
     assert all(times["half_within"]["may_be_chance"] for times in compared["times"])
+
+
+@pytest.mark.parametrize("at", [4, 5, 9, 11])
+def test_a_side_may_be_in_several_files(tmp_path: Path, at: int) -> None:
+    """They are read as one, wherever they begin: limits hold, and a reaction may belong to the file before."""
+    good = write(tmp_path / "good.pcapng", [Sent(READ), Sent(ANSWER)])
+    bad = write(tmp_path / "bad.pcapng", BUS)
+    blocks = [pcapng.section_header("", ""), pcapng.interface_description(pcapng.Interface(252, "test"))]
+    packets = [pcapng.enhanced_packet(0, one.time_ns or 0, one.data) for one in reading.packets(bad)]
+    for name, some in (("1", packets[:at]), ("2", packets[at:])):
+        (tmp_path / name).write_bytes(b"".join([*blocks, *some]))
+    whole, cut = (as_json(tmp_path, "--good", good, "--bad", *files) for files in ([bad], ["1", "2"]))
+    for name in ("settings", "times", "services", "episodes"):
+        assert cut[name] == whole[name], name
 
 
 @pytest.mark.thorough
@@ -224,7 +242,8 @@ def test_times_that_were_not_measured(tmp_path: Path) -> None:
     """A command and its reaction in one read, and TrS set: judged, but nobody knows how long it took."""
     whole = [Sent(one, flags={place: Flag.SAME_READ for place in range(1, len(one) + 1)}) for one in (READ, ANSWER)]
     capture = write(tmp_path / "one-read.pcapng", [Sent(SET_TRS), Sent(SET_TZA), Sent(ACCEPT), *whole])
-    times = as_json(tmp_path, capture, capture)["times"]
+    other = write(tmp_path / "other.pcapng", [Sent(SET_TRS), Sent(SET_TZA), Sent(ACCEPT), *whole[::-1], *whole])
+    times = as_json(tmp_path, capture, other)["times"]
     assert {one["what"] for one in times} == {"from character to character"}
     assert all(one["good"]["count"] and one["good"]["shortest_s"] is not None for one in times)
 
@@ -279,7 +298,7 @@ def test_what_cannot_be_compared(tmp_path: Path, bus: dict[str, Path]) -> None:
     (tmp_path / "junk").write_text("this is no capture\n" * 9)
     refused(run(tmp_path, "compare", evening, "junk"), 2, "junk is not a capture")
     refused(run(tmp_path, "compare", evening, evening, "-o", evening), 2, "is the capture itself", "-o")
-    refused(run(tmp_path, "compare", evening, evening, "-o", "/no/such/file"), 2, "cannot write")
+    refused(run(tmp_path, "compare", evening, bus["night"], "-o", "/no/such/file"), 2, "cannot write")
 
 
 def test_a_value_that_changed_between_the_captures(tmp_path: Path) -> None:

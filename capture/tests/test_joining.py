@@ -4,16 +4,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from datetime import datetime
 from pathlib import Path
 
 import pytest
 from commands import refused, run
 
-from sistap.dissected.captures import reading
-from sistap.dissected.captures.joining import in_order, together
-from sistap.dissected.captures.portions import portions
+from sistap.dissected.captures import joining, reading
+from sistap.dissected.captures.joining import in_order
+from sistap.dissected.captures.portions import TOGETHER, Portion, in_turn
 from sistap.tap.files import pcapng
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.line.settings import LineSettings
@@ -23,6 +24,7 @@ from sistap.tap.terminal.exits import NotCaptured
 
 SECOND = 1_000_000_000
 NAMES = ("left", "right")
+COURSE = Path(__file__).parents[2] / "test-captures" / "course"
 
 
 def written(path: Path, packets: Sequence[tuple[int, int]], names: Sequence[str] = NAMES) -> Path:
@@ -48,6 +50,13 @@ def content(path: Path) -> list[tuple[str, int]]:
     return found
 
 
+@contextmanager
+def together(captures: Sequence[Path], say: Callable[[str], None], most: int = TOGETHER) -> Iterator[Portion]:
+    """Read captures as one portion."""
+    with closing(in_turn(captures, most, say)) as portions:
+        yield next(portions)
+
+
 def test_a_file_that_a_recorder_deletes_meanwhile_is_told(tmp_path: Path) -> None:
     files = [written(tmp_path / name, [(0, second)]) for second, name in enumerate("abc", 1)]
     files[1].unlink()
@@ -70,6 +79,18 @@ def test_equal_interfaces_are_one(tmp_path: Path) -> None:
     assert not joined.path.exists()
 
 
+@pytest.mark.parametrize("most", [1, 60, 120, 200])
+def test_a_packet_is_named_as_in_its_capture_wherever_it_is_cut(tmp_path: Path, most: int) -> None:
+    captures = [
+        written(tmp_path / name, [(0, first), (1, first + 1), (0, first + 2)]) for name, first in (("a", 1), ("b", 4))
+    ]
+    found = []
+    for portion in in_turn(captures, most, pytest.fail):
+        own = [number for number, _ in enumerate(content(portion.path), 1) if portion.owns(number)]
+        found += [(path.name, number) for path, number in map(portion.place, own)]
+    assert found == [("a", 1), ("a", 2), ("a", 3), ("b", 1), ("b", 2), ("b", 3)]
+
+
 def test_a_single_one_stays_as_it_is(tmp_path: Path) -> None:
     path = tmp_path / "junk"
     path.write_bytes(b"junk")
@@ -84,16 +105,14 @@ def test_the_order_is_that_of_their_time(tmp_path: Path) -> None:
     assert in_order([late, foreign, early]) == [late, foreign, early]
 
 
-def test_portions_are_bounded_and_a_foreign_one_is_alone(tmp_path: Path) -> None:
+def test_portions_are_bounded(tmp_path: Path) -> None:
     captures = [written(tmp_path / name, [(0, second)]) for second, name in enumerate("abcd", 1)]
-    size = captures[0].stat().st_size
-    names = [[path.name for path in portion] for portion in portions(captures, 2 * size + 1)]
-    assert names == [["a", "b"], ["c", "d"]]
+    two = 2 * len(next(joining.packets(captures[0], pytest.fail)).body)
+    counts = [portion.own for portion in in_turn(captures, two - 1, pytest.fail)]
+    assert counts == [2, 2]
     captures[1].write_bytes(b"foreign")
-    names = [[path.name for path in portion] for portion in portions(captures, 9 * size)]
-    assert names == [["a"], ["b"], ["c", "d"]]
-    with pytest.raises(NotCaptured, match="save it as pcapng"), together(captures, pytest.fail):
-        pass
+    with pytest.raises(NotCaptured, match="save it as pcapng"):
+        next(in_turn(captures, TOGETHER, pytest.fail))
 
 
 @pytest.mark.parametrize(
@@ -150,15 +169,35 @@ def test_values_of_an_earlier_file_are_decoded_afterwards(tmp_path: Path) -> Non
 def test_values_that_are_left_out_are_counted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Files that are too large to be read together."""
+    """The attribute was read in a file that is too large to be read together with them, long after them."""
     from sistap import cli  # noqa: PLC0415
     from sistap.commands.parameters import reading as of_parameters  # noqa: PLC0415
+    from sistap.dissected.captures import portions  # noqa: PLC0415
 
     monkeypatch.setattr(of_parameters, "_TOGETHER", 1)
+    monkeypatch.setattr(portions, "_AROUND", 1)
     assert cli.main(["parameters", *(str(tmp_path / name) for name in ring(tmp_path))]) == 0
     head, row = capsys.readouterr().out.splitlines()
     assert "Greatest  Bytes" in head
     assert row.split()[-5:] == ["25.00", "Nm", "25.00", "Nm", "2"]
+
+
+@pytest.mark.parametrize("option", ["--changes", "--csv"])
+@pytest.mark.parametrize("most", [1, 700, 1500])
+def test_a_large_capture_has_the_parameters_of_the_whole(
+    option: str, most: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Wherever it is cut: writes, refusals, names and units are there."""
+    from sistap import cli  # noqa: PLC0415
+    from sistap.commands.parameters import reading as of_parameters  # noqa: PLC0415
+
+    command = ["parameters", option, str(COURSE / "03-parameters.pcapng")]
+    assert cli.main(command) == 0
+    whole = capsys.readouterr().out
+    assert "S-0-0036" in whole and "rpm" in whole
+    monkeypatch.setattr(of_parameters, "_TOGETHER", most)
+    assert cli.main(command) == 0
+    assert capsys.readouterr().out == whole
 
 
 def kept(folder: Path, before_ns: int) -> list[str]:

@@ -15,6 +15,8 @@ from report_capture import Sent, write
 
 from sistap.dissected.accesses.access import Access, Parameter, accesses
 from sistap.dissected.accesses.listing import MOST, AccessPlace, Listing
+from sistap.dissected.captures import reading
+from sistap.tap.files import pcapng
 from sistap.tap.sis.telegram import build
 from sistap.tap.terminal.console import visible
 
@@ -105,10 +107,18 @@ def test_wide_belongs_to_csv(tmp_path: Path) -> None:
 
 
 @pytest.mark.thorough
+def an_hour_later(capture: Path, path: Path) -> Path:
+    """Write a capture in which the same happens again."""
+    packets = list(reading.packets(capture))
+    blocks = [pcapng.section_header("test", ""), pcapng.block(pcapng.INTERFACE_DESCRIPTION, packets[0].interface)]
+    blocks += [pcapng.enhanced_packet(0, (one.time_ns or 0) + 3600 * 10**9, one.data) for one in packets]
+    path.write_bytes(b"".join(blocks))
+    return path
+
+
 def test_several_captures_go_on(tmp_path: Path) -> None:
     """In the second, the value of the first is known; counts are those of both."""
-    again = tmp_path / "again.pcapng"
-    shutil.copy(CAPTURE, again)
+    again = an_hour_later(CAPTURE, tmp_path / "again.pcapng")
     rows = list(csv.DictReader(run(tmp_path, "parameters", "--changes", "--csv", CAPTURE, again).stdout.splitlines()))
     second = {(row["device"], row["parameter"], row["packet"]): row["from"] for row in rows[len(CHANGES) :]}
     assert second == {
@@ -132,7 +142,7 @@ def test_ports_are_told_apart(tmp_path: Path) -> None:
 
 def test_a_capture_that_is_cut(tmp_path: Path) -> None:
     cut = tmp_path / "cut.pcapng"
-    cut.write_bytes(CAPTURE.read_bytes()[:-1000])
+    cut.write_bytes(OTHER.read_bytes()[:-1000])
     done = run(tmp_path, "parameters", "cut.pcapng", CAPTURE)
     assert done.returncode == 0
     assert done.stderr.count("\n") == 1
@@ -244,8 +254,9 @@ def test_every_name_that_a_drive_can_have(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
     rows = list(csv.DictReader(io.StringIO(done.stdout)))
     assert [(row["name"], row["unit"]) for row in rows] == [(text, text) for text in SHOWN.values()]
+    other = write(tmp_path / "other.pcapng", sent[2:])
     for done in (
         run(tmp_path, "report", capture, "--format", "json", "-o", "-"),
-        run(tmp_path, "compare", capture, capture),
+        run(tmp_path, "compare", capture, other),
     ):
         assert (done.returncode, done.stderr) == (0, "")

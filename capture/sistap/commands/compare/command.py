@@ -11,6 +11,7 @@ from sistap.commands.compare import plain
 from sistap.commands.compare.differences import Comparison, compare
 from sistap.commands.compare.page import page
 from sistap.commands.compare.side import read
+from sistap.dissected.captures.apart import twice
 from sistap.dissected.captures.joining import check_captures
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.options import add_rule
@@ -68,6 +69,8 @@ def run(args: argparse.Namespace) -> int:
     """Write the comparison; return the exit code."""
     console = Console()
     good, bad = (check_captures(side, console.say, args.output) for side in _sides(args))
+    if reason := twice([*good, *bad]):
+        console.say(f"{reason}: what is on both sides cannot differ")
     with Tshark() as tshark, opened(args.output, [*good, *bad], force=args.force) as file:
         before = read(tshark, good, console.say, console.progress, Engine(thresholds=args.thresholds))
         engine = Engine(before.engine, args.thresholds)

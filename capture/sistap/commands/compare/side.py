@@ -60,7 +60,7 @@ class Side:
         """Return a lower bound of the uncertainty of half of its times."""
         return self.uncertainty.within_s(0.5)
 
-    def add(self, packet: Packet, file: str) -> None:
+    def add(self, packet: Packet, place: AccessPlace) -> None:
         """Count a packet."""
         self.engine.add(packet)
         self.begin_s = self.begin_s or packet.epoch_s
@@ -73,7 +73,7 @@ class Side:
         for telegram in packet.telegrams:
             self._add_telegram(packet, telegram)
         for access in packet.accesses:
-            self.parameters.add(AccessPlace(file, packet.number, packet.epoch_s), access)
+            self.parameters.add(place, access)
 
     def _add_telegram(self, packet: Packet, telegram: Telegram) -> None:
         self.telegrams += 1
@@ -110,24 +110,32 @@ def read(
     Refusal.
     """
     side = Side(engine=engine)
-    for capture in in_order(captures):
-        last_s = 0.0
-        side.names.append(visible(capture.name))
-        progress(f"reading {capture}")
+    side.names = [visible(capture.name) for capture in in_order(captures)]
+    for several in portions.as_one(captures):
+        progress(f"reading {several[0]}")
         with (
-            closing(portions.in_turn([capture], portions.TOGETHER, say)) as parts,
+            closing(portions.in_turn(several, portions.TOGETHER, say)) as parts,
             Dissection(tshark, parts, keeps=False) as dissection,
             uncollected(),
         ):
-            for count, packet in enumerate(dissection.packets(), 1):
-                side.add(packet, side.names[-1])
-                last_s = max(last_s, packet.end_s)
-                if count % _PROGRESS_EVERY == 0:
-                    progress(f"{capture}: {count} packets read, {packet.time_s:.0f} s of it")
-        side.seconds += last_s
+            _read(side, dissection, progress)
         if dissection.warning:
-            say(f"{capture}: only what comes before the damage: {dissection.warning}")
+            say(f"{several[-1]}: only what comes before the damage: {dissection.warning}")
         if dissection.missing:
             say(f"left out, as the installed dissector does not know it: {', '.join(dissection.missing)}")
     side.episodes = side.engine.finish()
     return side
+
+
+def _read(side: Side, dissection: Dissection, progress: Callable[[str], None]) -> None:
+    """Count all packets. The time between two captures belongs to neither."""
+    begins_s: dict[Path, float] = {}
+    ends_s: dict[Path, float] = {}
+    for count, packet in enumerate(dissection.packets(), 1):
+        capture, number = dissection.place(packet)
+        side.add(packet, AccessPlace(visible(capture.name), number, packet.epoch_s))
+        begins_s.setdefault(capture, packet.time_s)
+        ends_s[capture] = max(ends_s.get(capture, 0.0), packet.end_s)
+        if count % _PROGRESS_EVERY == 0:
+            progress(f"{capture}: {count} packets read, {packet.time_s - begins_s[capture]:.0f} s of it")
+    side.seconds += sum(end_s - begins_s[capture] for capture, end_s in ends_s.items())

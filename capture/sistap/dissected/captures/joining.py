@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads several captures as one: in the order of their time, joined into one file for tshark."""
+"""Several captures as one: what can be read together, in the order of their time, and joined into one file."""
 
 from __future__ import annotations
 
 import struct
-from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 from sistap.dissected.captures import reading
-from sistap.tap.common import temporary
+from sistap.dissected.captures.apart import check_apart
 from sistap.tap.common.packed import is_text, making, no_capture
 from sistap.tap.files import pcapng
 from sistap.tap.records.record import KEPT, Event
@@ -23,7 +21,7 @@ _USB = {186, 189, 220, 249, 266}  # link types (tcpdump.org/linktypes.html): Fre
 def check_captures(named: Iterable[Path], say: Callable[[str], None], output: str | None = None) -> list[Path]:
     """Return all captures, those of a folder one by one. Say what is left out of a folder because it cannot be read.
 
-    Refusal unless all others can be read, twice, and none is the output.
+    Refusal unless all others can be read, twice, and none is the output or there twice.
     """
     captures = [capture for path in named for capture in (_readable(_inside(path), say) if path.is_dir() else [path])]
     for capture in captures:
@@ -35,6 +33,7 @@ def check_captures(named: Iterable[Path], say: Callable[[str], None], output: st
             raise Refusal(f"cannot read {capture}: {error.strerror}; name a capture file") from None
         if output and Path(output).exists() and capture.samefile(output):
             raise Refusal(f"{output} is the capture itself; name another file with -o")
+    check_apart(captures)
     return captures
 
 
@@ -92,29 +91,6 @@ def alone(capture: Path) -> str:
     return f"{capture} cannot be read with others: open it in Wireshark and save it as pcapng"
 
 
-class _JoinedCapture(NamedTuple):
-    """A capture in a joined one."""
-
-    first: int  # number of its first packet
-    capture: Path
-
-
-class Joined(NamedTuple):
-    """A file with the packets of one or several captures."""
-
-    path: Path
-    parts: Sequence[_JoinedCapture]
-
-    def place(self, number: int) -> tuple[Path, int]:
-        """Return the capture of a packet, and its number there."""
-        part = self.parts[bisect_right(self.parts, number, key=lambda part: part.first) - 1]
-        return part.capture, number - part.first + 1
-
-    def number(self, capture: Path) -> int:
-        """Return the number of its first packet."""
-        return next(part.first for part in self.parts if part.capture == capture)
-
-
 def in_order(captures: Iterable[Path]) -> list[Path]:
     """Sort captures by their first packets. If any has no such time, the order stays."""
     given = [*captures]
@@ -122,87 +98,83 @@ def in_order(captures: Iterable[Path]) -> list[Path]:
     return given if None in begins.values() else sorted(given, key=lambda capture: begins[capture] or 0)
 
 
-def together(captures: Sequence[Path], say: Callable[[str], None]) -> AbstractContextManager[Joined]:
-    """Join captures; a single one stays as it is. Report damage. Raise NotCaptured for a foreign one."""
-    if len(captures) == 1:
-        return nullcontext(Joined(captures[0], [_JoinedCapture(1, captures[0])]))
-    return joined(captures, say)
+class CapturedPacket(NamedTuple):
+    """A packet of a capture."""
+
+    capture: Path
+    number: int  # there
+    description: bytes  # of its interface: the body of the block
+    body: bytes  # of its block
+    is_apart: bool = False  # a file begins here that a recorder kept: nothing is known of what came just before it
+
+    @property
+    def raw(self) -> reading.RawPacket:
+        """Return what is in it, of an interface that counts nanoseconds."""
+        high, low, length = struct.unpack_from("<III", self.body, 4)
+        (link_type,) = struct.unpack_from("<H", self.description)
+        return reading.RawPacket(link_type, high << 32 | low, self.body[20 : 20 + length], self.description)
 
 
-@contextmanager
-def joined(captures: Sequence[Path], say: Callable[[str], None]) -> Iterator[Joined]:
-    """Join captures. Report damage. Raise NotCaptured for a foreign one."""
-    with temporary.folder() as folder:
-        path = folder / "joined.pcapng"
-        with path.open("wb") as file:
-            joining = _Joining(file)
-            parts = [joining.add(capture, say) for capture in captures]
-        yield Joined(path, parts)
+def packets(capture: Path, say: Callable[[str], None]) -> Iterator[CapturedPacket]:
+    """Yield its packets; report where it is damaged."""
+    damages: list[str] = []
+    try:
+        yield from _packets(capture, damages.append)
+    except OSError as error:  # also if a recorder has deleted it by now
+        damages.append(f"{error.strerror}")
+    except NotCaptured as error:
+        damages.append(str(error))
+    for damage in damages:
+        say(f"{capture}: only what comes before the damage: {damage}")
 
 
-class _Joining:
-    """A file with one section. Equal interfaces of several captures are one.
+def _packets(capture: Path, say: Callable[[str], None]) -> Iterator[CapturedPacket]:
+    """Yield its packets. Raise OSError or NotCaptured."""
+    is_apart, number = _is_kept(capture), 0
+    descriptions: list[bytes] = []
+    with reading.opened(capture) as source:
+        for kind, order, body in reading.blocks(source, capture, say):
+            if order != "<" or kind in reading.OTHER_PACKETS:
+                raise NotCaptured(f"{capture} was not written by sistap: read it alone")
+            if kind == pcapng.SECTION_HEADER:
+                descriptions = []
+            elif kind == pcapng.INTERFACE_DESCRIPTION:
+                descriptions.append(body)
+            elif kind == pcapng.ENHANCED_PACKET:
+                (interface,) = struct.unpack_from("<I", body)
+                if interface >= len(descriptions):
+                    raise NotCaptured(f"{capture} is damaged: a packet names interface {interface}, which is not there")
+                number += 1
+                yield CapturedPacket(capture, number, descriptions[interface], body, is_apart and number == 1)
+
+
+class Joining:
+    """A file with packets of several captures. Equal interfaces are one.
 
     A file that a recorder kept has a section of its own: the dissector must not take what comes after a seam, where
     nothing was kept, for the answer to what came before. It needs nothing from before: the file stands alone.
     """
 
     def __init__(self, file: BinaryIO) -> None:
+        """Begin a section."""
+        self.packets = 0  # so far
         self._file = file
-        self._has_section = False
-        self._packets = 0
+        self._begin()
+
+    def put(self, packet: CapturedPacket) -> None:
+        """Append a packet; describe its interface if it is new."""
+        if packet.is_apart and self.packets:
+            self._begin()
+        if packet.description not in self._interfaces:
+            self._interfaces[packet.description] = len(self._interfaces)
+            self._file.write(pcapng.block(pcapng.INTERFACE_DESCRIPTION, packet.description))
+        number = struct.pack("<I", self._interfaces[packet.description])
+        self._file.write(pcapng.block(pcapng.ENHANCED_PACKET, number + packet.body[4:]))
+        self.packets += 1
+
+    def _begin(self) -> None:
         self._interfaces: dict[bytes, int] = {}
-
-    def add(self, capture: Path, say: Callable[[str], None]) -> _JoinedCapture:
-        """Append the packets of a capture; report where it is damaged. Raise NotCaptured if it is foreign."""
-        part = _JoinedCapture(self._packets + 1, capture)
-        try:
-            damage = self._append(capture)
-        except OSError as error:  # also if a recorder has deleted it by now
-            damage = f"{error.strerror}"
-        if damage:
-            say(f"{capture}: only what comes before the damage: {damage}")
-        return part
-
-    def _append(self, capture: Path) -> str:
-        """Append its packets; return what is damaged."""
-        if not _is_joinable(capture):
-            raise NotCaptured(alone(capture))
-        if _is_kept(capture):
-            self._has_section = False
-        try:
-            with reading.opened(capture) as source:
-                damages: list[str] = []
-                for block in reading.blocks(source, capture, damages.append):
-                    self._take(block, capture)
-                return "".join(damages)
-        except NotCaptured as error:
-            return str(error)
-
-    def _take(self, block: reading.Block, capture: Path) -> None:
-        """Append a block if it is a packet or new."""
-        kind, order, body = block
-        if order != "<" or kind in reading.OTHER_PACKETS:
-            raise NotCaptured(f"{capture} was not written by sistap: read it alone")
-        if kind == pcapng.SECTION_HEADER:
-            self._numbers: list[int] = []  # of its interfaces
-            if not self._has_section:
-                self._has_section, self._interfaces = True, {}
-                self._write(kind, body)
-        elif kind == pcapng.INTERFACE_DESCRIPTION:
-            if body not in self._interfaces:
-                self._interfaces[body] = len(self._interfaces)
-                self._write(kind, body)
-            self._numbers.append(self._interfaces[body])
-        elif kind == pcapng.ENHANCED_PACKET:
-            (number,) = struct.unpack_from("<I", body)
-            if number >= len(self._numbers):
-                raise NotCaptured(f"{capture} is damaged: a packet names interface {number}, which is not there")
-            self._write(kind, struct.pack("<I", self._numbers[number]) + body[4:])
-            self._packets += 1
-
-    def _write(self, kind: int, body: bytes) -> None:
-        self._file.write(pcapng.block(kind, body))
+        self._file.write(pcapng.section_header("sistap", ""))
 
 
 def _is_joinable(capture: Path) -> bool:

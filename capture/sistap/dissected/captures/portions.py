@@ -1,15 +1,22 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Captures that are too large to be read together: in portions, each of which knows what those before it were told."""
+"""Captures that are too large to be read together: in portions, each of which knows what those before it were told.
+
+Portions overlap: a command and its reaction, a command and its repeat, and the pieces of long data are together in one,
+wherever it is cut. What is in two of them belongs to one.
+"""
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from itertools import islice
+from contextlib import suppress
+from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import NamedTuple
 
-from sistap.dissected.captures import reading
-from sistap.dissected.captures.joining import alone, begin_ns, in_order, is_foreign, joined
+from sistap.dissected.captures import joining, reading
+from sistap.dissected.captures.joining import CapturedPacket, Joining, alone, in_order, is_foreign
 from sistap.tap.common import temporary
 from sistap.tap.files import pcapng
 from sistap.tap.records.before import Before, heard
@@ -19,30 +26,64 @@ from sistap.tap.terminal.exits import NotCaptured
 # Bytes of captures that are read at once: tshark needs up to three times as much memory. So it needs about 1 GB.
 TOGETHER = 400_000_000
 
+_AROUND = 1000  # packets on either side of a seam that are in both portions: long data come in many pieces
 _PACKED_TIMES = 12  # as large is a capture that was compressed
 _NANOSECONDS = bytes((9, 0, 1, 0, 9))  # the option of an interface with such times, as sistap writes them
 _FIRST = 100  # records among which is what was told before
 
 
+class _Begin(NamedTuple):
+    """Where packets of a capture begin in a portion."""
+
+    at: int  # number of the packet in the portion
+    capture: Path
+    number: int  # in the capture
+
+
 class Portion(NamedTuple):
-    """A file with the packets of captures that are read together."""
+    """A file with the packets of captures that are read together, and with others that explain them."""
 
     path: Path
-    told: int = 0  # packets at its beginning that are in no capture: what was told before
+    told: int = 0  # packets at its beginning that are not its own: told before, and the last of the portion before
+    own: int | None = None  # packets then; what follows belongs to the next portion. None: all
+    begins: Sequence[_Begin] = ()
+
+    def owns(self, number: int) -> bool:
+        """Tell whether this packet is its own."""
+        return self.told < number and (self.own is None or number <= self.told + self.own)
+
+    def place(self, number: int) -> tuple[Path, int]:
+        """Return the capture of a packet that is its own, and its number there."""
+        begin = self.begins[bisect_right(self.begins, number, key=lambda begin: begin.at) - 1]
+        return begin.capture, number - begin.at + begin.number
 
 
-def portions(captures: Iterable[Path], most: int) -> Iterator[list[Path]]:
-    """Yield captures that can be joined, in the order of their time, up to so many bytes. A foreign one is alone."""
-    portion: list[Path] = []
-    size = 0
-    for capture in in_order(captures):
-        more = _size(capture)
-        if portion and (size + more > most or is_foreign(capture) or is_foreign(portion[0])):
-            yield portion
-            portion, size = [], 0
-        portion.append(capture)
-        size += more
-    yield portion
+def in_turn(captures: Sequence[Path], most: int, say: Callable[[str], None]) -> Generator[Portion, None, None]:
+    """Yield captures in the order of their time, one portion of up to so many bytes after the other.
+    A single one that is small, or foreign, stays as it is.
+
+    Report damage. Raise NotCaptured for a foreign one among several, before anything else.
+    """
+    if len(captures) == 1 and (_size(captures[0]) <= most or is_foreign(captures[0])):
+        yield Portion(captures[0], begins=[_Begin(1, captures[0], 1)])
+        return
+    for capture in filter(is_foreign, captures):
+        raise NotCaptured(alone(capture))
+    cutting = _Cutting(in_order(captures), most, say)
+    while not cutting.is_over:
+        with temporary.folder() as folder:
+            portion = cutting.write(folder / "portion.pcapng")
+            if portion.own:  # not if all are deleted by now
+                yield portion
+
+
+def as_one(captures: Iterable[Path]) -> Iterator[list[Path]]:
+    """Yield captures that can be read as one, in the order of their time. A foreign one is alone."""
+    for is_alone, several in groupby(in_order(captures), is_foreign):
+        if is_alone:
+            yield from ([capture] for capture in several)
+        else:
+            yield [*several]
 
 
 def _size(capture: Path) -> int:
@@ -53,63 +94,74 @@ def _size(capture: Path) -> int:
         return 0
 
 
-def in_turn(captures: Sequence[Path], most: int, say: Callable[[str], None]) -> Generator[Portion, None, None]:
-    """Yield captures of up to so many bytes, joined, one portion after the other. A larger one is cut into pieces.
-    A single one that is small, or foreign, stays as it is.
+class _Cutting:
+    """Captures that are cut into portions."""
 
-    Report damage. Raise NotCaptured for a foreign one among several, before anything else.
-    """
-    if len(captures) == 1 and (_size(captures[0]) <= most or is_foreign(captures[0])):
-        yield Portion(captures[0])
-        return
-    for capture in filter(is_foreign, captures):
-        raise NotCaptured(alone(capture))
-    read = list(portions(captures, most))
-    facts = _Facts()
-    is_told = not any(_is_cut(portion, most) for portion in read) and all(_is_told(portion[0]) for portion in read[1:])
-    for portion in read:
-        for pieces in _pieces(portion[0], most, say) if _is_cut(portion, most) else [portion]:
-            with temporary.folder() as folder, joined([*facts.file(folder, pieces), *pieces], say) as together:
-                if together.path.stat().st_size:  # not if all are deleted by now
-                    yield Portion(together.path, together.number(pieces[0]) - 1)
-            if not is_told:
-                facts.take(pieces)
+    def __init__(self, captures: Sequence[Path], most: int, say: Callable[[str], None]) -> None:
+        self._most = most
+        self._sizes = {capture: _size(capture) for capture in captures}
+        # If each knows by itself what was told before, it is not worked out again, and none is cut.
+        is_told = all(size <= most for size in self._sizes.values()) and all(map(_is_told, captures[1:]))
+        self._facts = None if is_told else _Facts()
+        self._source: Iterator[CapturedPacket] = chain.from_iterable(
+            joining.packets(capture, say) for capture in captures
+        )
+        self._behind: deque[CapturedPacket] = deque(maxlen=_AROUND)
+        self._ahead: deque[CapturedPacket] = deque()
+        self.is_over = False
 
+    def write(self, path: Path) -> Portion:
+        """Write the next portion."""
+        begins: list[_Begin] = []
+        with temporary.keeping("a part of the capture"), path.open("wb") as file:
+            joined = Joining(file)
+            for packet in (*self._told(), *self._behind):
+                joined.put(packet)
+            told = joined.packets
+            for packet in self._own():
+                joined.put(packet)
+                if not begins or packet.number == 1:
+                    begins.append(_Begin(joined.packets, packet.capture, packet.number))
+            own = joined.packets - told
+            self._ahead.extend(islice(self._source, _AROUND - len(self._ahead)))
+            for packet in self._ahead:
+                joined.put(packet)
+        self.is_over = not self._ahead
+        return Portion(path, told, own, begins)
 
-def _is_cut(portion: Sequence[Path], most: int) -> bool:
-    """Tell whether it is a capture that is too large."""
-    return len(portion) == 1 and _size(portion[0]) > most
+    def _told(self) -> Iterator[CapturedPacket]:
+        """Yield what was told before the next packet."""
+        if self._facts and self._behind:
+            yield from self._facts.packets(self._behind[0])
 
+    def _own(self) -> Iterator[CapturedPacket]:
+        """Yield the packets of a portion."""
+        size = 0
+        while packet := self._next():
+            if self._is_full(size, packet):
+                self._ahead.appendleft(packet)
+                return
+            size += len(packet.body)
+            self._remember(packet)
+            yield packet
 
-def _pieces(capture: Path, most: int, say: Callable[[str], None]) -> Iterator[list[Path]]:
-    """Yield pieces of a capture, one after the other in the same file. Each begins with the section and interfaces."""
-    blocks, heading, has_more = _blocks(capture, say), b"", True
-    with temporary.folder() as folder:
-        path = folder / "piece.pcapng"
-        while has_more:
-            with temporary.keeping("a part of the capture"), path.open("wb") as file:
-                size, has_more = file.write(heading), False
-                for kind, _, body in blocks:
-                    block = pcapng.block(kind, body)
-                    if kind in (pcapng.SECTION_HEADER, pcapng.INTERFACE_DESCRIPTION):
-                        heading = block if kind == pcapng.SECTION_HEADER else heading + block
-                    size += file.write(block)
-                    if size > most:
-                        has_more = True
-                        break
-            yield [path]
+    def _next(self) -> CapturedPacket | None:
+        if self._ahead:
+            return self._ahead.popleft()
+        return next(self._source, None)
 
+    def _is_full(self, size: int, packet: CapturedPacket) -> bool:
+        """Tell whether a packet belongs to the next portion. A file that knows what was told before it is not cut."""
+        if self._facts:
+            return size > self._most
+        return packet.number == 1 and 0 < size > self._most - self._sizes[packet.capture]
 
-def _blocks(capture: Path, say: Callable[[str], None]) -> Iterator[reading.Block]:
-    """Yield the blocks of a capture; report where it is damaged."""
-    damages: list[str] = []
-    try:
-        with reading.opened(capture) as source:
-            yield from reading.blocks(source, capture, damages.append)
-    except (OSError, NotCaptured) as error:
-        damages.append(str(error))
-    for damage in damages:
-        say(f"{capture}: only what comes before the damage: {damage}")
+    def _remember(self, packet: CapturedPacket) -> None:
+        if packet.is_apart:
+            self._behind.clear()
+        self._behind.append(packet)
+        if self._facts:
+            self._facts.take(packet)
 
 
 def _is_told(capture: Path) -> bool:
@@ -126,26 +178,18 @@ class _Facts:
     def __init__(self) -> None:
         self._before: dict[bytes, Before] = {}
 
-    def take(self, captures: Iterable[Path]) -> None:
-        """Take what these were told, up to a damage."""
-        for capture in captures:
-            try:
-                for packet in reading.packets(capture):
-                    if _NANOSECONDS in packet.interface and (record := reading.record_of(packet)):
-                        self._before.setdefault(packet.interface, Before()).take(heard(record))
-            except (OSError, ValueError, IndexError):
-                continue
+    def take(self, packet: CapturedPacket) -> None:
+        """Take what a packet tells."""
+        if _NANOSECONDS not in packet.description:
+            return
+        with suppress(ValueError, IndexError):  # a damaged record
+            if record := reading.record_of(packet.raw):
+                self._before.setdefault(packet.description, Before()).take(heard(record))
 
-    def file(self, folder: Path, captures: Sequence[Path]) -> list[Path]:
-        """Return a capture of it that goes before these, if anything is known."""
-        time_ns = begin_ns(captures[0])
-        if not self._before or time_ns is None:
-            return []
-        blocks = [pcapng.section_header("sistap", "")]
-        blocks += [pcapng.block(pcapng.INTERFACE_DESCRIPTION, description) for description in self._before]
-        for number, before in enumerate(self._before.values()):
-            packets = [pcapng.upper_pdu("sertap", record.pack()) for record in before.records(time_ns)]
-            blocks += [pcapng.enhanced_packet(number, time_ns, packet) for packet in packets]
-        path = folder / "told.pcapng"
-        path.write_bytes(b"".join(blocks))
-        return [path]
+    def packets(self, first: CapturedPacket) -> Iterator[CapturedPacket]:
+        """Yield packets that tell it, before the first of a portion."""
+        time_ns = first.raw.time_ns or 0
+        for description, before in self._before.items():
+            for record in before.records(time_ns):
+                block = pcapng.enhanced_packet(0, time_ns, pcapng.upper_pdu("sertap", record.pack()))
+                yield CapturedPacket(first.capture, 0, description, block[8:-4])

@@ -6,6 +6,7 @@ from __future__ import annotations
 import itertools
 import math
 import struct
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -232,6 +233,7 @@ class Packet:
 class _CaptureInTurn:
     """A capture among those that are read as one."""
 
+    portion: Portion
     before: int  # packets of those before it
     later_s: float = 0.0  # its seconds begin so much later than those of all; below 0: earlier
     kept: Kept = field(default_factory=Kept)
@@ -251,8 +253,7 @@ class _CaptureInTurn:
 class Dissection:
     """Captures as the installed dissector sees them, in two passes, so that later packets can explain earlier ones.
 
-    Several are read as one, but each by a tshark of its own: the dissector knows nothing of those before. Use it in a
-    `with`.
+    Several are read as one, each by a tshark of its own. Use it in a `with`.
     """
 
     def __init__(  # noqa: PLR0913 - each comes from another part
@@ -299,6 +300,12 @@ class Dissection:
         """Yield all packets, once. May raise Refusal."""
         return _of_traffic(self._packets())
 
+    def place(self, packet: Packet) -> tuple[Path, int]:
+        """Return the capture of a packet, and its number there."""
+        after = bisect_left(self._parts, packet.number, key=lambda part: part.before + part.portion.told)
+        part = self._parts[after - 1]
+        return part.portion.place(packet.number - part.before)
+
     def again(self, spans: Collection[Span]) -> Iterator[Packet]:
         """Yield again the packets that begin in these spans."""
         for part in self._parts:
@@ -311,16 +318,18 @@ class Dissection:
     def _packets(self) -> Iterator[Packet]:
         number = 0
         for portion in self._captures:
-            self._parts.append(_CaptureInTurn(number - portion.told))
-            for packet in self._of_part(portion.path, self._parts[-1]):
+            self._parts.append(_CaptureInTurn(portion, number - portion.told))
+            for packet in self._of_part(portion, self._parts[-1]):
                 number = packet.number
                 yield packet
 
-    def _of_part(self, capture: Path, part: _CaptureInTurn) -> Iterator[Packet]:
+    def _of_part(self, portion: Portion, part: _CaptureInTurn) -> Iterator[Packet]:
         came = False
         try:
-            for row in self._read(capture):
+            for row in self._read(portion.path):
                 packet = self._rows.packet(row)
+                if not portion.owns(packet.number):
+                    continue
                 if self._zero_s is None and packet.epoch_s >= self._since_s:
                     self._zero_s, part.later_s = packet.epoch_s, -packet.time_s
                 elif self._zero_s is not None and not came:
@@ -332,7 +341,7 @@ class Dissection:
                     part.kept.put(packet.time_s, row)
                 yield packet
         except TsharkError as error:
-            self.warning = "; ".join(filter(None, [self.warning, damage(capture, error, came)]))
+            self.warning = "; ".join(filter(None, [self.warning, damage(portion.path, error, came)]))
 
     def _read(self, capture: Path) -> Iterator[Any]:
         """Return the rows of all packets of a capture, and prepare for them."""
