@@ -47,10 +47,25 @@ what a serial port is. The virtual bus is a package of its own, sisbus: extcap, 
 `sisbus.library`, and nothing else of it.
 """
 
-from __future__ import annotations
+import os
+import sys
 
-from typing import TYPE_CHECKING
 
+def _leave_current_folder() -> None:
+    """Import nothing from the current folder after `python3 -m sistap`, as with -P: its files may be anybody's.
+
+    Where sistap itself is, it may stay. Python has these two modules, and no other, whatever is in that folder.
+    """
+    is_run = sys.argv[:1] == ["-m"] and not sys.flags.safe_path  # by this, while Python looks for what it has to run
+    if is_run and sys.orig_argv[-len(sys.argv)].removeprefix("-m").partition(".")[0] == __name__:
+        own = os.path.realpath(os.path.join(__file__, "../.."))  # noqa: PTH118 - pathlib could be of that folder
+        if os.path.realpath(sys.path[0]) != own:
+            del sys.path[0]
+
+
+_leave_current_folder()
+
+TYPE_CHECKING = False  # as type checkers know it, without the module typing
 if TYPE_CHECKING:
     from sistap.library import *
 

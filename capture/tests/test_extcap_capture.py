@@ -73,7 +73,8 @@ class Wireshark:
         if toolbar:
             pipes |= {"--extcap-control-in": folder / "in", "--extcap-control-out": folder / "out"}
         for pipe in pipes.values():
-            os.mkfifo(pipe)
+            if not os.path.lexists(pipe):
+                os.mkfifo(pipe)
         named = [str(word) for pipe in pipes.items() for word in pipe]
         self.process = subprocess.Popen(
             [*sistap, "extcap", "--capture", "--extcap-interface", interface, *named, *options],

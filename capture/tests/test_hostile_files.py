@@ -7,6 +7,7 @@ import os
 import struct
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from sistap.commands.parameters.writing import csv_line
 from sistap.tap.files import pcapng
 from sistap.tap.terminal.writing import mode_like
 
+CAPTURE = ROOT / "capture"
 TELEGRAM = bytes.fromhex("02 6C 00 00 00 92 00 00")
 LATEST = (1 << 64) - 1  # ticks of a time stamp
 
@@ -100,17 +102,48 @@ def test_the_group_of_a_capture_is_not_that_of_the_user(tmp_path: Path) -> None:
         assert mode_like([capture]) == expected
 
 
-@pytest.mark.attack("`python3 -m sistap` in a folder with a serial.py", "not imported")
-def test_modules_of_a_foreign_folder_are_not_imported(tmp_path: Path) -> None:
-    for name in ("serial", "argparse", "difflib", "signal", "json", "sistap_trap"):
-        (tmp_path / f"{name}.py").write_text("print('trapped')\nraise SystemExit(9)\n")
-    for arguments in (["--version"], ["ports"]):
-        done = subprocess.run(
-            [sys.executable, "-m", "sistap", *arguments],
-            cwd=tmp_path,
-            env=os.environ | {"PYTHONPATH": str(ROOT / "capture")},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert "trapped" not in done.stdout and done.returncode != 9, done.stdout + done.stderr
+def entrances() -> Iterator[str]:
+    """Yield each module that `python3 -m` can run."""
+    for file in sorted((*CAPTURE.glob("sistap/**/*.py"), *CAPTURE.glob("sisbus/**/*.py"))):
+        if file.stem == "__main__" or '__name__ == "__main__"' in file.read_text("utf-8"):
+            yield ".".join(file.relative_to(CAPTURE).with_suffix("").parts).removesuffix(".__main__")
+
+
+def entered(folder: Path, module: str) -> str:
+    """Return what a module says that is run in a folder, by itself: it finds no other program."""
+    done = subprocess.run(
+        [sys.executable, "-m", module, "--version"],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(CAPTURE), "PATH": ""},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def trapped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a trap for each module but those that Python has before it comes to the one to be run."""
+    folder = tmp_path_factory.mktemp("trapped")
+    (folder / "nothing.py").write_text("import sys\nprint(*sys.modules)")
+    for name in {*sys.stdlib_module_names, "serial", "pyarrow"} - {*entered(folder, "nothing").split()}:
+        (folder / f"{name}.py").write_text("print('trapped by', __name__, flush=True)\nraise SystemExit(9)")
+    return folder
+
+
+@pytest.mark.parametrize("module", entrances())
+@pytest.mark.attack("`python3 -m` in a folder with a file for each module of Python", "not imported")
+def test_modules_of_a_foreign_folder_are_not_imported(trapped: Path, module: str) -> None:
+    assert "trapped by" not in entered(trapped, module)
+
+
+def test_a_program_that_uses_sistap_keeps_its_folder(tmp_path: Path) -> None:
+    (tmp_path / "own.py").write_text("import sistap\nimport beside")
+    (tmp_path / "beside.py").write_text("print('here')")
+    package = tmp_path / "package"
+    package.mkdir()
+    (package / "__init__.py").write_text("import sistap\nimport beside")
+    (package / "__main__.py").touch()
+    assert [entered(tmp_path, module) for module in ("own", "package")] == ["here\n", "here\n"]

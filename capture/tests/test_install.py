@@ -450,6 +450,24 @@ def test_what_cannot_be_written_is_one_line_and_what_was_put_is_remembered(root:
     assert files(root) == {"Personal/wireshark"}
 
 
+@posix("its home has another variable")
+@pytest.mark.parametrize("home", ["", "somewhere"])
+def test_a_relative_home_is_refused(
+    root: Path, run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, home: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", home)
+    monkeypatch.delenv("XDG_STATE_HOME")
+    before = files(tmp_path)
+    for words in ("install", "uninstall"):
+        assert run(words) == (
+            1,
+            "",
+            f"sistap: HOME is {home!r}, which is no absolute path: set it to your home folder\n",
+        )
+    assert files(tmp_path) == before
+
+
 def test_wireshark_that_does_not_load_it(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(FakeTshark, "complaint", "some\nsis.lua:7: no\n")
     code, _, err = run("install")

@@ -172,3 +172,20 @@ def test_a_wireshark_without_lua() -> None:
     without = "".join(line for line in DEBIAN_40.splitlines(keepends=True) if "Lua" not in line)
     with pytest.raises(TsharkError, match="names no Personal Lua Plugins"):
         folders.parse(without, for_all=False)
+
+
+HOSTILE = {
+    "a line break": DEBIAN_40.replace("/home/u/", "/home/u\nv/"),
+    "relative": DEBIAN_40.replace("/home/u/.local", ".local"),
+    "relative configuration": DEBIAN_40.replace("/home/u/.config", "x"),
+}
+
+
+@pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
+@pytest.mark.attack(
+    "HOME or XDG_CONFIG_HOME is relative or has a line break", "refused in one line; nothing is installed"
+)
+def test_folders_of_a_strange_home(text: str) -> None:
+    with pytest.raises(TsharkError, match="HOME.*XDG_CONFIG_HOME"):
+        folders.parse(text, for_all=False)
+    assert folders.parse(DEBIAN_40, for_all=True)

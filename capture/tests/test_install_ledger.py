@@ -63,6 +63,53 @@ def test_all_that_was_put_is_removed_again(place: Path, own: Own) -> None:
     assert not ledger.path.parent.exists()
 
 
+class Killed(BaseException):
+    """SIGKILL: nothing is done any more."""
+
+
+@pytest.mark.parametrize("moment", ["before", "after"])
+@pytest.mark.parametrize("old", [None, b"old"])
+@pytest.mark.attack("SIGKILL while install puts a file", "the next install goes on, and uninstall removes all of it")
+def test_one_that_is_killed_is_gone_on_with(
+    place: Path, own: Own, monkeypatch: pytest.MonkeyPatch, old: bytes | None, moment: str
+) -> None:
+    file, before = place / "a/sis.so", tree(place.parent)
+    if old:
+        ledger = Ledger(for_all=False)
+        ledger.put(file, old)
+        ledger.save()
+    replace = sistap.tap.terminal.state.replace
+
+    def killed(put: Path, content: bytes, *, executable: bool = False) -> None:
+        if put != file or moment == "after":
+            replace(put, content, executable=executable)
+        if put == file:
+            raise Killed
+
+    with monkeypatch.context() as killing:
+        killing.setattr(sistap.tap.terminal.state, "replace", killed)
+        with pytest.raises(Killed):
+            Ledger(for_all=False).put(file, b"new")
+    ledger = Ledger(for_all=False)
+    ledger.put(file, b"new")
+    ledger = again(ledger)
+    assert file.read_bytes() == b"new"
+    assert ledger.remove(file, own) == f"removed  {file}"
+    ledger.remove_folders(own)
+    ledger.save()
+    assert tree(place.parent) == before
+
+
+@pytest.mark.attack("the list of installed files cannot be written", "nothing is installed that could not be removed")
+def test_what_could_not_be_remembered_is_not_put(place: Path) -> None:
+    ledger = Ledger(for_all=False)
+    ledger.path.parent.parent.mkdir(parents=True, exist_ok=True)
+    ledger.path.parent.touch()  # a file where the folder has to be
+    with pytest.raises(OSError, match=re.escape(repr(str(ledger.path.parent))[1:-1])):
+        ledger.put(place / "sis.so", b"")
+    assert not place.exists()
+
+
 def test_folders_that_were_there_stay(place: Path, own: Own) -> None:
     place.mkdir()
     ledger = Ledger(for_all=False)

@@ -77,6 +77,12 @@ def test_one_that_a_library_swallows_comes_again() -> None:
         time.sleep(60)  # which it ends
 
 
+def test_a_thread_ends_what_waits() -> None:
+    with pytest.raises(Stopped), Stop() as stop:
+        threading.Thread(target=stop.ask).start()
+        time.sleep(60)  # which it ends
+
+
 def test_one_that_nobody_could_catch_comes_again(
     capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

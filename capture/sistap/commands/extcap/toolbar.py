@@ -13,7 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from queue import Empty, SimpleQueue
+from queue import Full, Queue
 from types import TracebackType
 from typing import BinaryIO
 
@@ -25,7 +25,7 @@ from sistap.tap.records.record import LARGEST_RATE
 from sistap.tap.sis.rates import RATES
 from sistap.tap.terminal.console import Console, visible
 from sistap.tap.terminal.rights import as_typed
-from sistap.tap.terminal.stop import Stopped
+from sistap.tap.terminal.stop import Stop
 
 PATIENCE_S = 5  # time for Wireshark to open its ends of the pipes
 FAREWELL_S = 0.5  # time for Wireshark to take the last messages
@@ -35,6 +35,7 @@ _LENGTH_SIZE = 3
 _COUNTED = 2  # bytes of the header that count in the length: control and command
 _LONGEST = 0xFFFF  # bytes of a text for Wireshark; it shows one line
 _SYNC = b"T"
+_MOST = 1000  # messages and requests that wait, so that they stay few whatever Wireshark does
 
 # Commands, and the numbers of the controls.
 _INITIALIZED, _SET, _ADD, _STATUS_BAR = 0, 1, 2, 6
@@ -74,9 +75,10 @@ class Toolbar:
 
     def __init__(self, control_in: str | None, control_out: str | None) -> None:
         self._console = Console()
-        self._requests: SimpleQueue[Callable[[Capture], None]] = SimpleQueue()
-        self._messages: SimpleQueue[bytes | None] = SimpleQueue()  # None: the end
+        self._requests: Queue[Callable[[Capture], None]] = Queue(_MOST)
+        self._messages: Queue[bytes | None] = Queue(_MOST)  # None: the end
         self._attached = threading.Event()  # Wireshark has opened its end, or there is no pipe
+        self._closed = threading.Event()  # Wireshark has closed it again
         self._left: Callable[[], None] = lambda: None
         self._counters: Counters | None = None  # the counters shown last
         self._next_s = 0.0  # time of the next look at them
@@ -94,14 +96,16 @@ class Toolbar:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Let Wireshark receive everything. It would hang while opening a pipe whose other end is gone."""
-        if kind is not Stopped:
+        if not Stop.current().asked:
             self._attached.wait(PATIENCE_S)
-        self._messages.put(None)
+        self._put(None)
         self._speaker.join(FAREWELL_S)
 
     def when_left(self, stop: Callable[[], None]) -> None:
         """Set what to do when Wireshark closes the toolbar's pipe: on Windows this is the only sign of the end."""
         self._left = stop
+        if self._closed.is_set():
+            stop()
 
     def say(self, text: str) -> None:
         """Show a line in the log and, for a while, in the status bar."""
@@ -119,9 +123,8 @@ class Toolbar:
 
     def attend(self, capture: Capture) -> None:
         """Do what the user has asked for; show the counters and the rate every second."""
-        with suppress(Empty):
-            while True:
-                self._requests.get_nowait()(capture)
+        for _ in range(self._requests.qsize()):  # what comes meanwhile has its turn later, like the characters
+            self._requests.get()(capture)
         now_s = time.monotonic()
         if now_s >= self._next_s and capture.settings:
             self._next_s = now_s + 1
@@ -141,27 +144,37 @@ class Toolbar:
     def _send(self, control: int, command: int, text: str = "") -> None:
         payload = text.encode(errors="backslashreplace")[:_LONGEST]
         length = len(payload) + _COUNTED
-        self._messages.put(_HEADER.pack(_SYNC, length >> 16, length & 0xFFFF, control, command) + payload)
+        self._put(_HEADER.pack(_SYNC, length >> 16, length & 0xFFFF, control, command) + payload)
+
+    def _put(self, message: bytes | None) -> None:
+        """Let it be written, unless Wireshark has not read for long."""
+        with suppress(Full):
+            self._messages.put_nowait(message)
 
     def _speak(self, path: str | None) -> None:
         """Write what is sent; stop when Wireshark has closed the pipe."""
-        with suppress(OSError), open(path or os.devnull, "wb") as pipe:
+        with suppress(OSError), open(path or os.devnull, "wb", opener=_existing) as pipe:
             while (message := self._messages.get()) is not None:
                 pipe.write(message)
                 pipe.flush()
 
     def _listen(self, path: str | None) -> None:
+        """Take what Wireshark sends, if there is a pipe."""
+        if path:
+            with suppress(OSError), open(path, "rb") as pipe:
+                self._attached.set()
+                self._heed(pipe)
+        self._attached.set()  # or nobody can: there is no pipe
+
+    def _heed(self, pipe: BinaryIO) -> None:
         """Take what Wireshark sends, until it closes the pipe."""
-        if not path:
-            self._attached.set()
-            return
-        with suppress(OSError), open(path, "rb") as pipe:
-            self._attached.set()
-            begun = False  # until then it repeats the toolbar settings of the last capture
+        begun = False  # until then it repeats the toolbar settings of the last capture
+        with suppress(OSError):
             for control, command, text in _received(pipe):
                 begun = begun or command == _INITIALIZED
                 if begun and command == _SET:
                     self._take(control, text)
+        self._closed.set()
         self._left()
 
     def _take(self, control: int, text: str) -> None:
@@ -174,6 +187,11 @@ class Toolbar:
             self._send(_MARKER, _SET)
         elif control == _COUNTERS and self._counters:
             self.say(str(self._counters))
+
+
+def _existing(path: str, flags: int) -> int:
+    """Open what is there, for open(): nothing else is to begin, or to become empty."""
+    return os.open(path, flags & ~(os.O_CREAT | os.O_TRUNC))
 
 
 def _received(pipe: BinaryIO) -> Iterator[tuple[int, int, str]]:

@@ -71,11 +71,14 @@ class Ledger:
         """Write a file, unless somebody else owns it; return the line that reports it. May raise OSError."""
         is_new = not file.exists()
         if file.is_file() and file.read_bytes() == content:  # somebody else may own it: a package may have put it there
+            if str(file) in self._files:  # of an install that was killed before it noted the new contents
+                self._files[str(file)] = _digest(content)
             return f"same     {file}"
         if not is_new and not self._is_ours(file):
             cure = "delete it and install again to have the one of this sistap"
             return f"kept     {file}: it was not put there by `sistap install`, or changed since; {cure}"
-        self._make_folders(file.parent)
+        if is_new:
+            self._announce(file, content)
         state.replace(file, content, executable=executable)
         self._files[str(file)] = _digest(content)
         return f"{'put' if is_new else 'renewed':8} {file}"
@@ -135,11 +138,13 @@ class Ledger:
             return False
         return _digest(file.read_bytes()) == self._files.get(str(file))
 
-    def _make_folders(self, folder: Path) -> None:
-        missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
-        for parent in reversed(missing):
-            parent.mkdir()
-            self._folders.append(str(parent))
+    def _announce(self, file: Path, content: bytes) -> None:
+        """Write down what comes before it is there, as this may be killed at any moment; make its folder."""
+        missing = [folder for folder in file.parents if not folder.exists()]
+        self._files[str(file)] = _digest(content)
+        self._folders += [str(folder) for folder in reversed(missing) if str(folder) not in self._folders]
+        self.save()
+        file.parent.mkdir(parents=True, exist_ok=True)
 
 
 def _name(text: object) -> str:

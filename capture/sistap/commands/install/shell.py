@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from sistap.commands.install import completion
 from sistap.tap.terminal.programs import on_path
+from sistap.tap.terminal.state import home
 
 # -P: import nothing from the current folder. exec replaces the shell by Python, so that a stop signal reaches it.
 _SHELL = """\
@@ -83,13 +84,13 @@ def places(*, for_all: bool, windows: bool) -> Places:
     """Return the paths for this user, or for all. RuntimeError if this user has no home."""
     if windows:
         local = os.environ.get("LOCALAPPDATA", "")
-        programs = (Path(local) if local else Path.home() / "AppData/Local") / "Programs/sistap"
+        programs = (Path(local) if local else home() / "AppData/Local") / "Programs/sistap"
         return Places(programs / "sistap.bat", programs, programs)
     shared = FOR_ALL / "share"
     if not for_all:
         named = os.environ.get("XDG_DATA_HOME", "")
-        shared = Path(named) if Path(named).is_absolute() else Path.home() / ".local/share"
-    program = (FOR_ALL if for_all else Path.home() / ".local") / "bin/sistap"
+        shared = Path(named) if Path(named).is_absolute() else home() / ".local/share"
+    program = (FOR_ALL if for_all else home() / ".local") / "bin/sistap"
     return Places(program, shared / "bash-completion/completions/sistap", shared / "zsh/site-functions/_sistap")
 
 

@@ -80,13 +80,24 @@ class Own:
 def _named(text: str) -> dict[str, str]:
     named: dict[str, str] = {}
     for line in text.splitlines():
-        name, _, path = line.partition(":")
+        name, separator, path = line.partition(":")
+        if line and not separator:
+            raise TsharkError(_strange(line))
         named.setdefault(name.strip(), path.strip())
     return named
+
+
+def _strange(path: str) -> str:
+    """Say that a path is relative, or has a line break: then it would lead to another folder."""
+    return (
+        f"Wireshark's folders cannot be told from '{path}': set HOME and XDG_CONFIG_HOME to absolute paths in one line"
+    )
 
 
 def _first(named: dict[str, str], places: tuple[tuple[str, str], ...]) -> Path:
     for name, below in places:
         if named.get(name):
-            return Path(named[name]) / below
+            if not (folder := Path(named[name])).is_absolute():
+                raise TsharkError(_strange(named[name]))
+            return folder / below
     raise TsharkError(f"`tshark -G folders` names no {places[0][0]}: install Wireshark 4.0 or later")

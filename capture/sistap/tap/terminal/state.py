@@ -54,7 +54,15 @@ def of_environment() -> Path:
     RuntimeError if this user has no home.
     """
     state = os.environ.get("XDG_STATE_HOME", "") or (os.environ.get("LOCALAPPDATA", "") if WINDOWS else "")
-    return (Path(state) if Path(state).is_absolute() else Path.home() / ".local/state") / "sistap"
+    return (Path(state) if Path(state).is_absolute() else home() / ".local/state") / "sistap"
+
+
+def home() -> Path:
+    """Return the home of this user. RuntimeError if there is none, or if it depends on the current folder."""
+    named = os.environ.get("HOME")  # Python takes an empty one for the root of all folders
+    if not WINDOWS and named is not None and not Path(named).is_absolute():
+        raise RuntimeError(f"HOME is '{named}', which is no absolute path: set it to your home folder")
+    return Path.home()
 
 
 def check(path: Path) -> None:

@@ -89,6 +89,7 @@ class Stop:
     def ask(self) -> None:
         """Request the end without a signal, from any thread."""
         self.asked = True
+        self._begin_to_insist()
 
     def hold(self) -> None:
         """Hold Stopped back until `release`."""
@@ -121,10 +122,13 @@ class Stop:
     def _raise_if_asked(self) -> None:
         if not (self.asked and self.at_once) or self._holds or Stop._of_command is not self or _is_being_handled():
             return
+        self._begin_to_insist()
+        raise Stopped
+
+    def _begin_to_insist(self) -> None:
         if not self._insists:
             self._insists = True
             _thread.start_new_thread(self._insist, ())
-        raise Stopped
 
     def _insist(self) -> None:
         """Send the main thread a signal again and again, which interrupts a system call as well."""
