@@ -62,9 +62,9 @@ class Store:
         """Tell whether a capture with these bytes is complete in the tables."""
         try:
             files = json.loads(self._note(digest).read_text("utf-8"))["files"]
-        except (OSError, ValueError, KeyError):
+            return all((self._root / file).is_file() for file in files)
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):  # a damaged note: it is written again
             return False
-        return all((self._root / file).is_file() for file in files)
 
     def put(self, digest: str, capture: Path, tap: str, rows: Iterable[Row], name: str = "") -> int:
         """Add a capture's rows; return how many are new. `name` is for rows of several captures: they replace earlier
@@ -78,8 +78,9 @@ class Store:
             self._forget(incoming.id, set(files))
             self._write_note(digest, capture, incoming.id, files)
         except OSError as error:
-            reason = error.strerror or error
-            raise Refusal(f"{self._root} is incomplete: {reason}; make room, and run it again", FAILED) from None
+            reason = f"{error.filename}: {error.strerror}" if error.filename else error.strerror or error
+            cure = "move that away" if isinstance(error, FileExistsError | NotADirectoryError) else "make room"
+            raise Refusal(f"{self._root} is incomplete: {reason}; {cure}, and run it again", FAILED) from None
         finally:
             incoming.clear()
         return incoming.count
