@@ -37,7 +37,7 @@ _NOTES = "_captures"  # programs ignore names that begin with _
 _NS_PER_US = 1000
 _DAY_US = 86_400_000_000
 _EPOCH = date(1970, 1, 1)  # Windows has no time before it
-_LONGEST = 100  # characters of a name that comes from a user
+_LONGEST = 100  # characters of a name or a reason that comes from elsewhere
 
 
 class Partition(NamedTuple):
@@ -173,9 +173,12 @@ class _Incoming:
         times, time = [row["epoch_ns"] for row in values], ds.field("epoch_ns")
         try:
             known = ds.dataset(files, table.schema).to_table([*table.same], (time >= min(times)) & (time <= max(times)))
-        except pa.ArrowInvalid as error:  # it names the file
-            strange = str(error).partition("\n")[0]
-            raise Refusal(f"{strange}: move what is none of the tables away, and run it again", FAILED) from None
+        except (pa.ArrowException, OSError) as error:
+            strange = next((file for file in files if not _is_of(file, table.schema)), part.folder(self._root))
+            reason = str(error).partition("\n")[0][:_LONGEST]
+            raise Refusal(
+                f"{strange}: {reason}: move what is none of the tables away, and run it again", FAILED
+            ) from None
         there = set(zip(*known.to_pydict().values(), strict=True))
         key = itemgetter(*table.same)
         return (row for row in values if key(row) not in there)
@@ -202,6 +205,14 @@ class _Incoming:
         writer, file = self._writers.pop(part)
         writer.close()
         file.close()
+
+
+def _is_of(file: str, schema: pa.Schema) -> bool:
+    """Tell whether a file is one of a table."""
+    try:
+        return Path(file).is_file() and pq.read_schema(file).equals(schema)  # a pipe would wait for a writer
+    except (pa.ArrowException, OSError):
+        return False
 
 
 def _id(name: str) -> str:
