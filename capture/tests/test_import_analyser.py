@@ -219,8 +219,8 @@ def test_a_session_with_more_channels_asks_which(tmp_path: Path, capfd: pytest.C
 @pytest.mark.parametrize(
     ("metadata", "why"),
     [
-        ("", "is no session with samples of logic"),
-        ("[device 1]\nunitsize=x\n", "is no session with samples of logic"),
+        ("", "does not say how many samples a second has"),
+        ("[device 1]\nunitsize=x\n", "does not say how many samples a second has"),
         ("[device 1]\nunitsize=1\nprobe1=D0\n", "add --samplerate HZ"),
         ("[device 1]\nsamplerate=1 MHz\nunitsize=1\ntotal analog=1\n", "no samples of logic channels"),
         ("[device 1]\nsamplerate=1 MHz\nunitsize=1\nprobe1=D0\n", "no channel that changes"),

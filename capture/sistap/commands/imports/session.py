@@ -10,24 +10,25 @@ first one in the lowest bit.
 from __future__ import annotations
 
 import re
-import zlib
 from array import array
-from collections.abc import Iterator, Sequence
-from configparser import ConfigParser, SectionProxy
-from configparser import Error as ConfigError
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
-from zipfile import BadZipFile, ZipFile, is_zipfile
+from typing import IO
+from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
 from sistap.commands.imports.source import Stated
 from sistap.commands.imports.wave import HEAD, Wave
 from sistap.tap.analyser.finding import BAUDS
 from sistap.tap.analyser.probe import hertz
 from sistap.tap.analyser.uart import FEWEST_SAMPLES, HIGH, LOW, Edges
+from sistap.tap.common.packed import ZIP_ERRORS, zipped
 from sistap.tap.terminal.exits import Refusal
 
 _PIECE = 1 << 17  # bytes read at once
 _MOST_EDGES = 16_000_000  # of all channels: an hour of a busy bus at 9600 Bd
-_MOST_TEXT = 1 << 20  # bytes
+_MOST_TEXT = 1 << 16  # bytes: a hundred for each channel and more
 _EIGHT = [b"".join(HIGH if value >> bit & 1 else LOW for bit in range(8)) for value in range(256)]
 
 _Samples = Iterator[tuple[str, bytes]]  # pieces: the name of the channel, and its next samples, one in each byte
@@ -35,25 +36,18 @@ _Samples = Iterator[tuple[str, bytes]]  # pieces: the name of the channel, and i
 
 def is_session(path: Path) -> bool:
     """Tell whether a file is a session."""
-    try:
-        if not is_zipfile(path):
-            return False
-        with ZipFile(path) as archive:
-            return {"metadata", "version"} <= set(archive.namelist()) or _is_dsview(archive)
-    except (BadZipFile, OSError):
-        return False
+    names = zipped(path)
+    return {"metadata", "version"} <= set(names) or _is_dsview(names)
 
 
 def read(path: Path, stated: Stated) -> Wave:
     """Read a session. May raise Refusal."""
     try:
         with ZipFile(path) as archive:
-            reader = _dsview if _is_dsview(archive) else _sigrok
+            reader = _dsview if _is_dsview(archive.namelist()) else _sigrok
             return _wave(path, *reader(archive, path, stated), stated)
-    except (BadZipFile, OSError, EOFError, NotImplementedError, RuntimeError, zlib.error) as error:
+    except ZIP_ERRORS as error:
         raise Refusal(f"{path} cannot be read ({error}): save it again") from None
-    except (ConfigError, KeyError, ValueError) as error:
-        raise Refusal(f"{path} is no session with samples of logic ({error})") from None
 
 
 def _wave(path: Path, samplerate: int, names: Sequence[str], samples: _Samples, stated: Stated) -> Wave:
@@ -77,45 +71,64 @@ def _wave(path: Path, samplerate: int, names: Sequence[str], samples: _Samples, 
     return Wave(samplerate, channels, max(finder.now for finder in edges.values()), samplerate)
 
 
-def _described(archive: ZipFile, text: str, section: str) -> SectionProxy:
-    config = ConfigParser(interpolation=None, strict=False)
-    with archive.open(text) as file:
+def _opened(archive: ZipFile, name: str) -> IO[bytes]:
+    """Open a file in the zip. ValueError if a piece of it can unpack to gigabytes at once."""
+    if archive.getinfo(name).compress_type not in (ZIP_STORED, ZIP_DEFLATED):
+        raise ValueError(f"{name} is packed as no analyser packs it")
+    return archive.open(name)
+
+
+def _described(archive: ZipFile, text: str, section: str) -> dict[str, str]:
+    """Return what a section of a text says: a key and a value in each line."""
+    with _opened(archive, text) as file:
         lines = file.read(_MOST_TEXT).decode("utf-8", "replace").splitlines()
-    config.read_string("\n".join(map(str.strip, lines)))  # old sessions have keys that begin with a blank
-    return config[section]
+    said, is_inside = {}, False
+    for line in lines:
+        key, _, value = map(str.strip, line.partition("="))  # old sessions have keys that begin with a blank
+        if key.startswith("["):
+            is_inside = key == f"[{section}]"
+        elif is_inside:
+            said[key] = value
+    return said
 
 
-def _samplerate(said: SectionProxy, path: Path, stated: Stated) -> int:
-    if rate := said.get("samplerate"):
-        return hertz(rate)
+def _samplerate(said: Mapping[str, str], path: Path, stated: Stated) -> int:
+    with suppress(ValueError):
+        return hertz(said.get("samplerate", ""))
     if not stated.samplerate:
         raise Refusal(f"{path} does not say how many samples a second has: add --samplerate HZ")
     return stated.samplerate
 
 
-def _probes(said: SectionProxy) -> dict[int, str]:
-    """Return the names of the channels by their numbers."""
-    return {int(key[5:]): name for key, name in said.items() if re.fullmatch(r"probe\d{1,3}", key)}
+def _probes(said: Mapping[str, str]) -> dict[int, str]:
+    """Return the names of the channels by their numbers. What names none or several of them goes by its key."""
+    probes = {key: name for key, name in said.items() if re.fullmatch(r"probe\d{1,3}", key)}
+    count = Counter(probes.values())
+    return {int(key[5:]): name if name and count[name] == 1 else key for key, name in probes.items()}
 
 
-def _parts(archive: ZipFile, begin: str) -> list[str]:
-    """Return the files whose names are this beginning and a number, in order."""
+def _parts(archive: ZipFile, begin: str, first: int) -> list[str]:
+    """Return the files whose names are this beginning and a number, in order. ValueError unless each is there once."""
     numbers = ((re.fullmatch(re.escape(begin) + r"(\d{1,9})", name), name) for name in archive.namelist())
-    return [name for _, name in sorted((int(match[1]), name) for match, name in numbers if match)]
+    parts = sorted((int(match[1]), name) for match, name in numbers if match)
+    if [number for number, _ in parts] != [*range(first, first + len(parts))]:
+        raise ValueError("parts of its samples are missing, or there twice")
+    return [name for _, name in parts]
 
 
 def _pieces(archive: ZipFile, parts: Sequence[str]) -> Iterator[bytes]:
     for part in parts:
-        with archive.open(part) as file:
+        with _opened(archive, part) as file:
             while piece := file.read(_PIECE):
                 yield piece
 
 
 def _sigrok(archive: ZipFile, path: Path, stated: Stated) -> tuple[int, list[str], _Samples]:
     said = _described(archive, "metadata", "device 1")
-    size, samplerate = int(said.get("unitsize", "1")), _samplerate(said, path, stated)
+    samplerate, unit = _samplerate(said, path, stated), said.get("unitsize", "1")
+    size = int(unit) if re.fullmatch(r"\d{1,3}", unit) else 0
     begin = said.get("capturefile", "logic-1")
-    parts = _parts(archive, f"{begin}-") or [name for name in archive.namelist() if name == begin]
+    parts = _parts(archive, f"{begin}-", 1) or [name for name in archive.namelist() if name == begin]
     places = {name: divmod(number - 1, 8) for number, name in _probes(said).items() if 0 < number <= 8 * size}
     if not 0 < size <= 64 or not places or not parts:
         raise Refusal(f"{path} has no samples of logic channels: save them from sigrok-cli or PulseView")
@@ -133,14 +146,13 @@ def _sigrok(archive: ZipFile, path: Path, stated: Stated) -> tuple[int, list[str
     return samplerate, list(places), samples()
 
 
-def _is_dsview(archive: ZipFile) -> bool:
-    names = archive.namelist()
+def _is_dsview(names: Sequence[str]) -> bool:
     return "header" in names and any(re.fullmatch(r"L-\d+/\d+", name) for name in names)
 
 
 def _dsview(archive: ZipFile, path: Path, stated: Stated) -> tuple[int, list[str], _Samples]:
     said = _described(archive, "header", "header")
-    parts = {name: _parts(archive, f"L-{number}/") for number, name in _probes(said).items()}
+    parts = {name: _parts(archive, f"L-{number}/", 0) for number, name in _probes(said).items()}
 
     def samples() -> _Samples:
         for name, files in parts.items():

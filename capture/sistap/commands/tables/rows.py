@@ -48,7 +48,7 @@ class Rows:
 
     def of(self, packet: Packet) -> Iterator[Row]:
         """Yield the rows of a packet. Raise Refusal."""
-        epoch_ns = _epoch_ns(packet)
+        epoch_ns = _epoch_ns(packet, self._file)
         for number, telegram in enumerate(packet.telegrams or (_DESTROYED if packet.type == OTHER else ())):
             known = self._known.get((packet.alike, number))
             if known is None:
@@ -92,9 +92,11 @@ def of_episode(episode: Episode, file: str, packet: int | None) -> Row:
     return Row("episodes", said)
 
 
-def _epoch_ns(packet: Packet) -> int:
+def _epoch_ns(packet: Packet, file: str) -> int:
     if not -_LARGEST <= packet.epoch_ns < _LARGEST:
-        raise Refusal(f"packet {packet.number} has a time that no table holds: correct it with editcap -t", FAILED)
+        raise Refusal(
+            f"{file}: packet {packet.number} has a time that no table holds: correct it with editcap -t", FAILED
+        )
     return packet.epoch_ns
 
 

@@ -37,7 +37,7 @@ _NOTES = "_captures"  # programs ignore names that begin with _
 _NS_PER_US = 1000
 _DAY_US = 86_400_000_000
 _EPOCH = date(1970, 1, 1)  # Windows has no time before it
-_LONGEST = 100  # characters of a name that comes from a user
+_LONGEST = 100  # characters of a name or a reason that comes from elsewhere
 
 
 class Partition(NamedTuple):
@@ -62,9 +62,9 @@ class Store:
         """Tell whether a capture with these bytes is complete in the tables."""
         try:
             files = json.loads(self._note(digest).read_text("utf-8"))["files"]
-        except (OSError, ValueError, KeyError):
+            return all((self._root / file).is_file() for file in files)
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):  # a damaged note: it is written again
             return False
-        return all((self._root / file).is_file() for file in files)
 
     def put(self, digest: str, capture: Path, tap: str, rows: Iterable[Row], name: str = "") -> int:
         """Add a capture's rows; return how many are new. `name` is for rows of several captures: they replace earlier
@@ -78,8 +78,9 @@ class Store:
             self._forget(incoming.id, set(files))
             self._write_note(digest, capture, incoming.id, files)
         except OSError as error:
-            reason = error.strerror or error
-            raise Refusal(f"{self._root} is incomplete: {reason}; make room, and run it again", FAILED) from None
+            reason = f"{error.filename}: {error.strerror}" if error.filename else error.strerror or error
+            cure = "move that away" if isinstance(error, FileExistsError | NotADirectoryError) else "make room"
+            raise Refusal(f"{self._root} is incomplete: {reason}; {cure}, and run it again", FAILED) from None
         finally:
             incoming.clear()
         return incoming.count
@@ -172,9 +173,12 @@ class _Incoming:
         times, time = [row["epoch_ns"] for row in values], ds.field("epoch_ns")
         try:
             known = ds.dataset(files, table.schema).to_table([*table.same], (time >= min(times)) & (time <= max(times)))
-        except pa.ArrowInvalid as error:  # it names the file
-            strange = str(error).partition("\n")[0]
-            raise Refusal(f"{strange}: move what is none of the tables away, and run it again", FAILED) from None
+        except (pa.ArrowException, OSError) as error:
+            strange = next((file for file in files if not _is_of(file, table.schema)), part.folder(self._root))
+            reason = str(error).partition("\n")[0][:_LONGEST]
+            raise Refusal(
+                f"{strange}: {reason}: move what is none of the tables away, and run it again", FAILED
+            ) from None
         there = set(zip(*known.to_pydict().values(), strict=True))
         key = itemgetter(*table.same)
         return (row for row in values if key(row) not in there)
@@ -201,6 +205,14 @@ class _Incoming:
         writer, file = self._writers.pop(part)
         writer.close()
         file.close()
+
+
+def _is_of(file: str, schema: pa.Schema) -> bool:
+    """Tell whether a file is one of a table."""
+    try:
+        return Path(file).is_file() and pq.read_schema(file).equals(schema)  # a pipe would wait for a writer
+    except (pa.ArrowException, OSError):
+        return False
 
 
 def _id(name: str) -> str:

@@ -7,6 +7,7 @@ Recordings of logic analysers are zips, too.
 from __future__ import annotations
 
 import re
+import zlib
 from pathlib import Path
 from zipfile import BadZipFile, ZipFile
 
@@ -25,7 +26,8 @@ _RECORDINGS = {
     "header": "is a session of DSView: {} makes a capture of it",
     "meta.json": "is a capture of Saleae Logic 2: export its raw data there, as CSV; `sistap import` reads that",
 }
-
+# What the library raises of a damaged zip: also of a name that is no UTF-8, and of places behind any end.
+ZIP_ERRORS = (BadZipFile, OSError, EOFError, RuntimeError, ValueError, OverflowError, zlib.error)
 
 _BINARY = re.compile(rb"[^\t\n\f\r -~\x80-\xff]")  # no log has such bytes, and every capture begins with some
 _HEAD = 4096
@@ -61,7 +63,7 @@ def unpack(path: Path) -> str:
             head = file.read(6)
     except OSError:
         return ""
-    names = _names(path) if head.startswith(b"PK") else []
+    names = zipped(path) if head.startswith(b"PK") else []
     if recording := next((what for name, what in _RECORDINGS.items() if name in names), ""):
         return f"{path} {recording.format(making('import', path))}"
     if head.startswith(b"PK\x03\x04") and not names:
@@ -70,10 +72,10 @@ def unpack(path: Path) -> str:
     return f"{path} is packed: unpack it first, for example with `{command} {shell_word(str(path))}`" if command else ""
 
 
-def _names(path: Path) -> list[str]:
-    """Return what is in a zip."""
+def zipped(path: Path) -> list[str]:
+    """Return what is in a zip; nothing if the file is none, or cannot be read."""
     try:
         with ZipFile(path) as archive:
             return archive.namelist()
-    except (BadZipFile, OSError):
+    except ZIP_ERRORS:
         return []
