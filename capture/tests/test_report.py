@@ -373,11 +373,10 @@ def test_nothing_is_dissected_again_for_the_windows(tshark: Tshark, capture: Pat
 )
 def test_what_is_read_again_is_what_was_asked_for(times_s: list[float], starts_s: list[float]) -> None:
     """Whatever the order of the times, and wherever a blob ends."""
+    times_s = [0.0, *times_s]
     rows = [
         {"frame.number": str(number), "frame.time_relative": str(time_s)} for number, time_s in enumerate(times_s, 1)
     ]
-    rows.insert(0, {"frame.number": "0", "frame.time_relative": "0"})
-    times_s = [0.0, *times_s]
     timed = cast(Tshark, PrintingTshark(rows))
     spans = [Span(start_s, start_s + 3) for start_s in starts_s]
     with pytest.MonkeyPatch.context() as patch, Dissection(timed, [Portion(Path("x"))]) as dissection:

@@ -11,8 +11,8 @@ from sistap.commands.compare import plain
 from sistap.commands.compare.differences import Comparison, compare
 from sistap.commands.compare.page import page
 from sistap.commands.compare.side import read
-from sistap.dissected.captures.apart import twice
 from sistap.dissected.captures.joining import check_captures
+from sistap.dissected.captures.twice import twice
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.options import add_rule
 from sistap.dissected.wireshark.tshark import Tshark

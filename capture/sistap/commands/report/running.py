@@ -16,8 +16,8 @@ from sistap.commands.report.page import page
 from sistap.commands.report.plots import drawings
 from sistap.commands.report.windows import asked
 from sistap.dissected.captures import portions, since
-from sistap.dissected.captures.apart import check_apart
 from sistap.dissected.captures.joining import check_captures, in_order
+from sistap.dissected.captures.twice import check_once
 from sistap.dissected.draw.svg import stacked
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.wireshark.tshark import Tshark
@@ -59,7 +59,7 @@ def checked(args: argparse.Namespace, console: Console) -> Noting:
     left_out = Noting(console)
     args.captures = check_captures(args.captures, left_out, args.output)
     args.baseline = check_captures(args.baseline, left_out, args.output) if args.baseline else []
-    check_apart([*args.captures, *args.baseline])
+    check_once([*args.captures, *args.baseline])
     return left_out
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 from sistap.dissected.captures import reading
-from sistap.dissected.captures.apart import check_apart
+from sistap.dissected.captures.twice import check_once
 from sistap.tap.common.packed import is_text, making, no_capture
 from sistap.tap.files import pcapng
 from sistap.tap.records.record import KEPT, Event
@@ -33,7 +33,7 @@ def check_captures(named: Iterable[Path], say: Callable[[str], None], output: st
             raise Refusal(f"cannot read {capture}: {error.strerror}; name a capture file") from None
         if output and Path(output).exists() and capture.samefile(output):
             raise Refusal(f"{output} is the capture itself; name another file with -o")
-    check_apart(captures)
+    check_once(captures)
     return captures
 
 

@@ -14,7 +14,7 @@ from sistap.tap.terminal.exits import NotCaptured, Refusal
 _HEADING = 1 << 16  # bytes
 
 
-def check_apart(captures: Iterable[Path]) -> None:
+def check_once(captures: Iterable[Path]) -> None:
     """Refusal if one of them is there twice."""
     if reason := twice(captures):
         raise Refusal(f"{reason}: name it once, or it counts twice")
