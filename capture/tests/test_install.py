@@ -565,7 +565,19 @@ def test_the_cure_where_the_command_is_not_on_path(root: Path, run: Run, monkeyp
     code, _, err = run("install")
     place = root / "home/.local/bin"
     assert (code, err.count("\n")) == (0, 1)
-    assert err.startswith(f'sistap: {place} is not in PATH: `export PATH="{place}:$PATH"`')
+    assert err.startswith(f'sistap: {place} is not in PATH: `export PATH={place}:"$PATH"`')
+
+
+@posix("the cure is a command of a shell")
+@pytest.mark.attack("the name of a home has a command of a shell in it", "the cure for PATH quotes it")
+def test_the_cure_for_path_runs_nothing(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    home = root / "a 'b\"$(touch ran);`touch ran`"
+    monkeypatch.setenv("HOME", str(home))
+    cure = run("install")[2].partition("is not in PATH: `")[2].rpartition("`, also")[0]
+    script = f"cd {tmp_path}; {cure}; echo $PATH"
+    said = subprocess.run(["/bin/sh", "-c", script], capture_output=True, text=True, check=True).stdout
+    assert said.startswith(f"{home}/.local/bin:")
+    assert not (tmp_path / "ran").exists()
 
 
 def test_windows_gets_a_command_and_words(root: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

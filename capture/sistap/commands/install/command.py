@@ -27,7 +27,7 @@ from sistap.dissected.wireshark.tshark import (
 )
 from sistap.tap.common.packages import is_bundle
 from sistap.tap.terminal import programs
-from sistap.tap.terminal.advice import advice
+from sistap.tap.terminal.advice import advice, shell_word
 from sistap.tap.terminal.console import Console, visible
 from sistap.tap.terminal.exits import DONE, FAILED
 from sistap.tap.terminal.state import is_root
@@ -141,7 +141,8 @@ def _install(args: argparse.Namespace, console: Console) -> int:
     _bring_up_to_date(ledger, files, _own(named, for_all=for_all))
     on_path = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
     if where.command in ledger.files and where.command.parent not in on_path:
-        console.say(f"{where.command.parent} is not in PATH: {advice().path.format(folder=where.command.parent)}")
+        cure = advice().path.format(folder=shell_word(str(where.command.parent)))
+        console.say(f"{where.command.parent} is not in PATH: {cure}")
     if for_all:
         _warn_of_others_rights(console)
     return _check(console)
