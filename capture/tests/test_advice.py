@@ -35,7 +35,14 @@ LINUX_FILES = {"probe.py", "packages.py"}  # of sysfs, of a program that others 
 
 
 @pytest.mark.parametrize(
-    ("pack", "command"), [(lzma.compress, "xz -dk"), (gzip.compress, "gunzip -k"), (bz2.compress, "bunzip2 -k")]
+    ("pack", "command"),
+    [
+        (lzma.compress, "xz -dk"),
+        (gzip.compress, "gunzip -k"),
+        (bz2.compress, "bunzip2 -k"),
+        (bytes.fromhex("04224D18").__add__, "lz4 -dk"),
+        (bytes.fromhex("28B52FFD").__add__, "zstd -dk"),
+    ],
 )
 def test_a_packed_file_is_known_by_its_first_bytes(
     tmp_path: Path, pack: Callable[[bytes], bytes], command: str
@@ -72,6 +79,7 @@ def test_debians_python_takes_debians_packages(python: Path) -> None:
     (python.parents[1] / "EXTERNALLY-MANAGED").touch()
     assert missing("pyserial").endswith(": `sudo apt-get install python3-serial`")
     said = missing("pyarrow")  # Debian has none
+    assert f"`'{python}' -m venv --system-site-packages ~/sistap-python`" in said
     assert "`~/sistap-python/bin/pip install pyarrow`" in said
     assert f"`PYTHONPATH={shell_word(str(PACKAGE.parent))} ~/sistap-python/bin/python3 -m sistap`" in said
 

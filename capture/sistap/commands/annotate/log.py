@@ -15,6 +15,7 @@ from sistap.dissected.explain.fields import EXPLANATION, Fields, said, sentence
 from sistap.dissected.wireshark.rows import BEFORE, EVENT, JOINT, first
 from sistap.dissected.wireshark.trouble import damage
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
+from sistap.tap.common.packed import untold
 from sistap.tap.common.writing import opened
 from sistap.tap.terminal.console import Console
 from sistap.tap.terminal.exits import DONE, USAGE, Refusal
@@ -70,7 +71,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _write(args: argparse.Namespace, console: Console) -> tuple[int, int]:
     """Write the log; return how many packets are in it, and how many are not."""
-    _check(args)
+    _check(args, console.say)
     written = left_out = 0
     with Tshark() as tshark, opened(args.output, [args.capture], force=args.force) as file:
         for line in _lines(tshark, args.capture, console.say):
@@ -80,11 +81,12 @@ def _write(args: argparse.Namespace, console: Console) -> tuple[int, int]:
     return written, left_out
 
 
-def _check(args: argparse.Namespace) -> None:
+def _check(args: argparse.Namespace, say: Callable[[str], None]) -> None:
     if args.capture.exists() and not (args.capture.is_file() or args.capture.is_dir()):
         raise Refusal(f"{args.capture} is not a file: it is read twice, so save the capture first")
     try:
-        args.capture.open("rb").close()
+        if warning := untold(args.capture):
+            say(warning)
     except OSError as error:
         raise Refusal(f"cannot read {args.capture}: {error.strerror}; name a capture file") from None
     if args.output and Path(args.output).exists() and args.capture.samefile(args.output):

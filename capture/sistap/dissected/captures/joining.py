@@ -10,7 +10,7 @@ from typing import BinaryIO, NamedTuple
 
 from sistap.dissected.captures import reading
 from sistap.dissected.captures.twice import check_once
-from sistap.tap.common.packed import is_text, making, no_capture
+from sistap.tap.common.packed import is_text, making, no_capture, untold
 from sistap.tap.files import pcapng
 from sistap.tap.records.record import KEPT, Event
 from sistap.tap.terminal.exits import NotCaptured, Refusal
@@ -38,9 +38,11 @@ def check_captures(named: Iterable[Path], say: Callable[[str], None], output: st
 
 
 def _check_contents(capture: Path, say: Callable[[str], None]) -> None:
-    """Say that a capture is empty. Refusal if it is a text, or of USB alone; OSError."""
+    """Say that a capture is empty, or may be cut off. Refusal if it is a text, or of USB alone; OSError."""
     if is_text(capture):
         raise Refusal(no_capture(capture))
+    if warning := untold(capture):
+        say(warning)
     link_types, has_packets = reading.beginning(capture)
     if not has_packets:
         say(f"{capture} has no packets")

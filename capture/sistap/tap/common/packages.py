@@ -47,7 +47,8 @@ def _how_to_get(package: str) -> str:
         return "`sudo apt-get install python3-serial`"  # Debian's own Python takes no others from pip
     before = "`sudo apt-get install python3-venv`, " if sys.platform == "linux" else ""
     return (
-        f"{before}`{python} -m venv --system-site-packages ~/sistap-python`, `~/sistap-python/bin/pip install "
-        f"{package}`; then type `PYTHONPATH={shell_word(str(_ROOT))} ~/sistap-python/bin/python3 -m sistap` in place "
+        f"{before}`{shell_word(str(python))} -m venv --system-site-packages ~/sistap-python`, "
+        f"`~/sistap-python/bin/pip install {package}`; then type "
+        f"`PYTHONPATH={shell_word(str(_ROOT))} ~/sistap-python/bin/python3 -m sistap` in place "
         "of `sistap`"
     )

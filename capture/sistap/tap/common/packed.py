@@ -19,7 +19,10 @@ _PACKED = {
     rb"BZh[1-9]1A": "bunzip2 -k",
     rb"PK\x03\x04": "unzip",
     rb"7z\xbc\xaf": "7z x",
+    rb"\x04\x22M\x18": "lz4 -dk",
+    rb"\x28\xb5\x2f\xfd": "zstd -dk",
 }
+_UNTOLD = ("lz4 -dk", "zstd -dk")  # tshark takes what is left of a capture that is cut off for all of it
 # The recordings of logic analysers among zips, by a file in them.
 _RECORDINGS = {
     "metadata": "is a session of sigrok: {} makes a capture of it",
@@ -68,8 +71,22 @@ def unpack(path: Path) -> str:
         return f"{path} {recording.format(making('import', path))}"
     if head.startswith(b"PK\x03\x04") and not names:
         return f"{path} is a damaged zip: copy it again from where it was recorded"
-    command = next((command for magic, command in _PACKED.items() if re.match(magic, head)), "")
+    command = _unpacking(head)
     return f"{path} is packed: unpack it first, for example with `{command} {shell_word(str(path))}`" if command else ""
+
+
+def untold(path: Path) -> str:
+    """Say that nobody is told whether the end of a packed capture is missing; empty if tshark tells. OSError."""
+    with path.open("rb") as file:
+        command = _unpacking(file.read(6))
+    if command not in _UNTOLD:
+        return ""
+    return f"{path} is packed: tshark does not say if its end is missing; `{command} {shell_word(str(path))}` does"
+
+
+def _unpacking(head: bytes) -> str:
+    """Return the command that unpacks a file that begins so; empty if it is not packed."""
+    return next((command for magic, command in _PACKED.items() if re.match(magic, head)), "")
 
 
 def zipped(path: Path) -> list[str]:
