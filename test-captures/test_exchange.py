@@ -100,6 +100,9 @@ EXCHANGES: Table = {
     66: "command_in=65; reaction_time=0.001500000",
     68: "reaction.unasked",
     # A token, to and fro
+    # Behind two routers, the last address says whether it is answered
+    74: "reaction_in=75",
+    75: "command_in=74; reaction_time=0.001500000",
 }
 
 REPEATS: Table = {

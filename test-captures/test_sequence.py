@@ -139,6 +139,10 @@ SEQUENCES_REPEATED: Table = {
     # A command that arrived damaged was not executed: status 0xF4, and the same piece again
     43: "data=4142; sequence.whole_in=47",
     47: "data=4344,41424344; sequence.piece=43,47; sequence.length=4",
+    # Two damaged telegrams, each between other pieces
+    49: "data=4142; sequence.whole_in=55",
+    52: "data=4344; sequence.whole_in=55",
+    55: "data=4546,414243444546; sequence.piece=49,52,55; sequence.length=6",
 }
 
 SEQUENCES_APART: Table = {
