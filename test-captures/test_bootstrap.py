@@ -37,6 +37,20 @@ def test_a_folder_of_somebody_else(part: str, checkout: Path) -> None:
     assert (ended.returncode, ended.stdout) == (1, "")
 
 
+def test_a_build_folder_that_leads_elsewhere(checkout: Path, tmp_path: Path) -> None:
+    (checkout / "build").symlink_to(tmp_path)
+    ended = run(f"{checkout}/bootstrap", "test")
+    assert (ended.returncode, ended.stdout) == (1, "") and "cannot write to" in ended.stderr
+
+
+def test_a_build_folder_in_which_others_may_put_programs(checkout: Path) -> None:
+    (checkout / "build").mkdir()
+    (checkout / "build").chmod(0o777)
+    ended = run(f"{checkout}/bootstrap", "test")
+    assert (ended.returncode, ended.stdout) == (1, "")
+    assert ended.stderr == f"bootstrap: others can write to {checkout}/build, and what is in it is run: delete it\n"
+
+
 def parts(checkout: Path, *ends: str) -> subprocess.CompletedProcess[str]:
     """Run parts as check does, each a line of shell; at the end comes what was not run."""
     (checkout / "build").mkdir()

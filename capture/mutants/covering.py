@@ -85,6 +85,6 @@ PARTS = (
     *room("sisbus/stations", "flash general initialization making sercos station", STATIONS),
     *room("sisbus/playing", "characters conducting player", PLAYING),
     *room("../plugin/sis", "timing times cycle", TIMES, ".c"),
-    *room("../plugin/sis", "exchange bus learn", EXCHANGES, ".c"),
+    *room("../plugin/sis", "exchange bus learn routes telegram", EXCHANGES, ".c"),
     *room("../plugin/sis", "sequence", SEQUENCES, ".c"),
 )

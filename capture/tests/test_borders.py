@@ -7,7 +7,7 @@ from operator import methodcaller as do
 
 import pytest
 from machines import FAULT, PLC, SPEED, Machine, Told, access, judged, telegram, undescribed
-from test_kinds import TORQUE, Play, about, event, firmware, pause, reaction, reads, run, then, told, writes
+from test_kinds import LIMIT, TORQUE, Play, about, event, firmware, pause, reaction, reads, run, then, told, writes
 
 from sistap.dissected.packets.dissection import EXCEEDED
 from sistap.tap.line.settings import Flag
@@ -129,6 +129,41 @@ def test_a_drive_that_rounds_one_value_and_takes_another_as_it_is() -> None:
     as_written = reads(access(5, "P-0-0123", 12.0))
     rounded = then(do("write", 5, "P-0-0123", 12.34), reads(access(5, "P-0-0123", 12.3)))
     assert details(then(written, as_written, rounded), "other") == []
+
+
+def test_what_a_good_capture_writes_and_says_is_known() -> None:
+    good = Machine()
+    then(reads(access(5, LIMIT, 3000.0)), writes("P-0-0123", (PLC, 12)))(good)
+    good.finish()
+    machine = Machine(before=good.engine)
+    writes("P-0-0123", (PLC, 12))(machine)
+    assert machine.told().of("write") == []
+    machine = Machine(before=good.engine)
+    do("write", 5, LIMIT, 500.0)(machine)
+    (said,) = machine.told().of("limit_write")
+    assert said.detail == "3000.0 rpm -> 500.0 rpm by master 1; still set at the end"
+
+
+def test_a_damaged_telegram_has_no_phase() -> None:
+    damaged = telegram(5, PLC, is_reaction=True, service=0x12, phase="2", good=False)
+    assert details(then(reaction(service=0x12, phase="4"), pause(70), do("put", damaged)), "phase") == []
+
+
+def test_what_is_written_to_the_control_word_switches_a_machine_off() -> None:
+    """Nobody reads how fast it turns."""
+
+    def word(bits: int) -> Play:
+        return do("write", 5, "S-0-0134", f"0b{bits:016b}", number=float(bits), data=bits.to_bytes(2, "little").hex())
+
+    off = then(word(0xE000), pause(60), word(0x8000), pause(60), word(0xE000), pause(60), reaction())
+    assert len(details(off, "stopped")) == 1
+
+
+def test_a_level_that_lasts_to_the_end_says_so_and_no_other_does() -> None:
+    steps = told(TORQUE, [*about(50, 99), *about(70, 30, seed=2), *about(50, 99, seed=3)], unit="%")
+    assert [detail.rpartition(";")[2] for detail in details(steps, "step")] != [" still so when last read"]
+    last = told(TORQUE, [*about(50, 99), *about(70, 30, seed=2)], unit="%")
+    assert [detail.rpartition(";")[2] for detail in details(last, "step")] == [" still so when last read"]
 
 
 def test_a_slow_drive_is_told_after_half_an_hour() -> None:

@@ -59,6 +59,12 @@ def test_a_value_that_was_read_once_is_the_least_and_the_greatest(number: float)
     assert one.least and one.greatest and (one.least.number, one.greatest.number) == (number, number)
 
 
+def test_the_limits_of_a_parameter_are_those_told_last() -> None:
+    told = {"minimum": "-10 rpm", "maximum": "10 rpm"}
+    (one,) = listed(access(3, SPEED, 1.0, **told), access(3, SPEED, 1.0))
+    assert (one.minimum, one.maximum) == ("-10 rpm", "10 rpm")
+
+
 def test_who_asked() -> None:
     assert [access(3, SPEED, 1.0, master=master).by for master in (0, 127, None)] == ["0", "127", "ASCII"]
 

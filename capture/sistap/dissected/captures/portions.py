@@ -100,7 +100,7 @@ class _Cutting:
     def __init__(self, captures: Sequence[Path], most: int, say: Callable[[str], None]) -> None:
         self._most = most
         self._sizes = {capture: _size(capture) for capture in captures}
-        # If they are one portion, or if each knows by itself what was told before, that is not worked out, and none is cut.
+        # If they are one portion, or each knows by itself what was told before, it is not worked out, and none is cut.
         sizes = self._sizes.values()
         is_told = sum(sizes) <= most or (max(sizes) <= most and all(map(_is_told, captures[1:])))
         self._facts = None if is_told else _Facts()
