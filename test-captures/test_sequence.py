@@ -259,6 +259,8 @@ UNHARMED: Table = {
     18: "data=4344,41424344; sequence.piece=14,18; sequence.length=4; body.note",
     20: "data=4142; sequence.whole_in=30",
     30: "data=4344,41424344; sequence.piece=20,30; sequence.length=4",
+    32: "data=4142; sequence.whole_in=35",
+    35: "data=4344,41424344; sequence.piece=32,35; sequence.length=4",
 }
 
 LISTS_ANEW: Table = {
