@@ -107,6 +107,16 @@ SEQUENCES: Table = {
     # The name read in the middle of the operating data is no piece of them
     142: "data=4142",
     144: "data=4e; sequence.ended",
+    # One byte of a cancel may be the device
+    146: "data=4142",
+    148: "sequence.ended",
+    150: "data=4344; sequence.whole_in=152",
+    152: "data=4546,43444546; sequence.piece=150,152; sequence.length=4",
+    # Status 0xF8 twice, with a piece between
+    154: "data=060006004142",
+    156: "sequence.ended",
+    158: "data=4344",
+    160: "sequence.ended",
 }
 
 SEQUENCES_REPEATED: Table = {
