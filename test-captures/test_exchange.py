@@ -103,6 +103,9 @@ EXCHANGES: Table = {
     # Behind two routers, the last address says whether it is answered
     74: "reaction_in=75",
     75: "command_in=74; reaction_time=0.001500000",
+    # The master went on without a reaction; what comes after a damaged command is none of the one before
+    76: "command.unanswered",
+    79: "reaction.unasked",
 }
 
 REPEATS: Table = {

@@ -107,6 +107,16 @@ SEQUENCES: Table = {
     # The name read in the middle of the operating data is no piece of them
     142: "data=4142",
     144: "data=4e; sequence.ended",
+    # One byte of a cancel may be the device
+    146: "data=4142",
+    148: "sequence.ended",
+    150: "data=4344; sequence.whole_in=152",
+    152: "data=4546,43444546; sequence.piece=150,152; sequence.length=4",
+    # Status 0xF8 twice, with a piece between
+    154: "data=060006004142",
+    156: "sequence.ended",
+    158: "data=4344",
+    160: "sequence.ended",
 }
 
 SEQUENCES_REPEATED: Table = {
@@ -259,6 +269,8 @@ UNHARMED: Table = {
     18: "data=4344,41424344; sequence.piece=14,18; sequence.length=4; body.note",
     20: "data=4142; sequence.whole_in=30",
     30: "data=4344,41424344; sequence.piece=20,30; sequence.length=4",
+    32: "data=4142; sequence.whole_in=35",
+    35: "data=4344,41424344; sequence.piece=32,35; sequence.length=4",
 }
 
 LISTS_ANEW: Table = {
