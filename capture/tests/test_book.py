@@ -40,3 +40,10 @@ def test_the_filter_of_a_silence_finds_all_of_it() -> None:
     )
     assert Episode.of(Hit("silent", 7, 100.0, 100.5, 4)).filter == "frame.number in {7}"
     assert Episode.of(Hit("bus_silent", 7, 100.0, 190.0)).filter == "frame.number in {7}"  # no packet is in it
+
+
+def test_what_is_joined_counts_all_of_both() -> None:
+    first, second = (Episode.of(hit(second)) for second in (0, 100))
+    first.count, second.count = 4, 5
+    first.join(second)
+    assert first.count == 9

@@ -6,7 +6,7 @@ from __future__ import annotations
 from operator import methodcaller as do
 
 import pytest
-from machines import FAULT, PLC, SPEED, Machine, Told, access, judged, telegram, undescribed
+from machines import FAULT, PLC, SPEED, Machine, Told, access, diagnosis, judged, telegram, undescribed
 from test_kinds import LIMIT, TORQUE, Play, about, event, firmware, pause, reaction, reads, run, then, told, writes
 
 from sistap.dissected.packets.dissection import EXCEEDED
@@ -164,6 +164,25 @@ def test_a_level_that_lasts_to_the_end_says_so_and_no_other_does() -> None:
     assert [detail.rpartition(";")[2] for detail in details(steps, "step")] != [" still so when last read"]
     last = told(TORQUE, [*about(50, 99), *about(70, 30, seed=2)], unit="%")
     assert [detail.rpartition(";")[2] for detail in details(last, "step")] == [" still so when last read"]
+
+
+def test_one_fault_after_another_is_two() -> None:
+    codes = 0xA0101, 0xF2028, 0xF2028, 0xF4034, 0xF4034
+    found = details(reads(*(diagnosis(5, code) for code in codes), every_s=4), "fault")
+    assert [detail.split()[2] for detail in found] == ["F2028", "F4034"]
+
+
+def test_a_second_answer_is_told_also_after_damage() -> None:
+    """What was damaged before the last command is no explanation."""
+    again = do("answer", 4, signs=("again",))
+    assert len(details(then(run(5), do("damage", 3), do("exchange", station=4), again), "again")) == 1
+    assert details(then(run(5), do("exchange", station=4), do("damage", 4), again), "again") == []
+
+
+def test_after_a_silence_of_the_bus_no_master_is_gone() -> None:
+    """Nobody asked; a panel that asks now and then is not missing for so long."""
+    seldom = then(*[then(run(20, has_panel=False), run(2))] * 5, run(20, has_panel=False))
+    assert details(then(run(450), pause(300), seldom), "vanished") == []
 
 
 def test_a_slow_drive_is_told_after_half_an_hour() -> None:

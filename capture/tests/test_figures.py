@@ -24,6 +24,7 @@ from sistap.dissected.packets.distribution import Distribution, Slices
 from sistap.dissected.wireshark.rows import EVENT, OTHER
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event, Framing
+from sistap.tap.sis.faults import FAULTS
 
 MS = 1e-3
 U_S = 0.3 * MS
@@ -190,6 +191,12 @@ def test_stations() -> None:
     ]
 
 
+def test_refusals_that_are_alike_count_each() -> None:
+    alike: Any = object()  # as packets have it that say the same
+    refused = [at(second, answered(is_refusal=True, status=1), alike=alike) for second in range(3)]
+    assert row(tables.stations(report(*refused)), "With an error") == "3"
+
+
 def test_reaction_times_by_service_and_verdicts() -> None:
     made = report(*exchanges())
     (service,) = tables.services(made).rows
@@ -324,6 +331,12 @@ def test_what_a_reader_has_to_know(text: str, make: Callable[[], Report]) -> Non
     )
     assert any(one.startswith(text) for one in tables.remarks(make()))
     assert not any(one.startswith(text) for one in tables.remarks(quiet))
+
+
+def test_damage_with_line_errors_is_explained() -> None:
+    errors = tuple(fault for fault in FAULTS if fault.name == "line_error")
+    made = report(started(SAYS), at(1, answered(good=False)), at(2, faults=errors))
+    assert not any("there is not one line error" in one for one in tables.remarks(made))
 
 
 def test_one_unmeasured_reaction_of_a_hundred_does_not_matter() -> None:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from machines import LAPTOP, access, undescribed
 
@@ -53,6 +55,22 @@ def test_after_a_write_of_a_part_the_value_is_not_known() -> None:
     assert [change is not None for change in changes] == [False, False, True, True]
 
 
+def test_a_text_that_is_written_again_is_no_change() -> None:
+    """Of the ASCII protocol: it has no bytes."""
+    made = Listing()
+    texts = [access(3, SPEED, text, is_write=True, master=None) for text in ("on", "on", "off")]
+    changes = [made.add(AccessPlace("a", packet, 0.0), one) for packet, one in enumerate(texts, 1)]
+    assert [change and change.before for change in changes] == [None, None, "on"]
+    assert [change is not None for change in changes] == [True, False, True]
+
+
+def test_a_long_list_is_compared_to_its_last_byte() -> None:
+    made = Listing()
+    lists = [undescribed(3, SPEED, bytes(40) + bytes([last]), is_write=True) for last in (1, 1, 2)]
+    changes = [made.add(AccessPlace("a", packet, 0.0), one) for packet, one in enumerate(lists, 1)]
+    assert [change is not None for change in changes] == [True, False, True]
+
+
 @pytest.mark.parametrize("number", [1.0, 2.0])
 def test_a_value_that_was_read_once_is_the_least_and_the_greatest(number: float) -> None:
     (one,) = listed(access(3, SPEED, number))
@@ -60,7 +78,7 @@ def test_a_value_that_was_read_once_is_the_least_and_the_greatest(number: float)
 
 
 def test_the_limits_of_a_parameter_are_those_told_last() -> None:
-    told = {"minimum": "-10 rpm", "maximum": "10 rpm"}
+    told: dict[str, Any] = {"minimum": "-10 rpm", "maximum": "10 rpm"}
     (one,) = listed(access(3, SPEED, 1.0, **told), access(3, SPEED, 1.0))
     assert (one.minimum, one.maximum) == ("-10 rpm", "10 rpm")
 

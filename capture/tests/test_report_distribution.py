@@ -42,6 +42,13 @@ def test_of_many_times_the_later_ones_count_too() -> None:
     assert (distribution.within_s(0.25), distribution.within_s(0.5)) == (0.001, 0.005)
 
 
+def test_of_many_times_the_zeros_count_too() -> None:
+    """Of one read, all but one interval are 0."""
+    distribution = Distribution()
+    distribution.add([0.0] * 2 * Distribution.FEW + [0.001] * Distribution.FEW)
+    assert (distribution.within_s(0.5), distribution.within_s(0.9)) == (0.0, 0.001)
+
+
 @given(st.lists(st.lists(TIMES)))
 def test_count_sum_and_extremes_are_exact(parts: list[list[float]]) -> None:
     distribution = Distribution()
