@@ -128,8 +128,8 @@ def _install(args: argparse.Namespace, console: Console) -> int:
         programs.remember(args.wireshark)
     with Tshark(drop_rights=False) as tshark:
         wireshark = _supported_version(tshark)
-        named = tshark.output("-G", "folders")
-        there = loaded(tshark.run(["-G", "plugins"]).stdout)
+        named = tshark.answer("-G", "folders")
+        there = loaded(tshark.ask("-G", "plugins").stdout)
     with alone(for_all=for_all) as ledger:
         print(f"Wireshark {wireshark.text}, for {_FOR_ALL if for_all else 'this user'}", flush=True)
         _put(args, Asked(wireshark, named, there), ledger, console)
@@ -171,13 +171,13 @@ def _tell(line: str) -> None:
 def own_folders() -> folders.Own:
     """Return Wireshark's own folders and those of a shell. Raise TsharkError."""
     with Tshark(drop_rights=False) as tshark:
-        return _own(tshark.output("-G", "folders"), for_all=is_root())
+        return _own(tshark.answer("-G", "folders"), for_all=is_root())
 
 
 def profiles() -> Path:
     """Return this user's folder of profiles. Raise TsharkError."""
     with Tshark(drop_rights=False) as tshark:
-        return folders.parse(tshark.output("-G", "folders"), for_all=False).profiles
+        return folders.parse(tshark.answer("-G", "folders"), for_all=False).profiles
 
 
 def _own(named: str, *, for_all: bool) -> folders.Own:
@@ -186,7 +186,7 @@ def _own(named: str, *, for_all: bool) -> folders.Own:
 
 
 def _supported_version(tshark: Tshark) -> Version:
-    found = version(tshark.output("--version"))
+    found = version(tshark.answer("--version"))
     if not found:
         raise TsharkError("tshark does not say its version: install tshark 4.0 or later")
     if (found.major, found.minor) < OLDEST_WIRESHARK:
@@ -316,7 +316,7 @@ def _silent_reason() -> str:
 def _check(console: Console) -> int:
     """Ask Wireshark, as an ordinary user, whether it loads the dissector."""
     with Tshark() as tshark:
-        done = tshark.run(["-G", "plugins"])
+        done = tshark.ask("-G", "plugins")
     found = loaded(done.stdout)
     if not found:
         why = next((line for line in done.stderr.splitlines() if "sis" in line), _silent_reason())
