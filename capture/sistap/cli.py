@@ -10,6 +10,7 @@ import os
 import re
 import sys
 from collections.abc import Container, Iterable, Sequence
+from contextlib import suppress
 from difflib import get_close_matches
 from typing import NoReturn
 
@@ -83,7 +84,10 @@ def main(arguments: Sequence[str] | None = None, stop: Stop | None = None) -> in
     `stop` belongs to a process that ends with the command. Without it, main restores the signal handlers on return.
     """
     stop = stop or Stop()
-    _open_standard_streams()
+    try:
+        _open_standard_streams()
+    except (FileNotFoundError, PermissionError) as error:
+        return _without_null_device(error)
     try:
         return _flushed(sys.argv[1:] if arguments is None else arguments, stop)
     except Stopped:
@@ -92,6 +96,15 @@ def main(arguments: Sequence[str] | None = None, stop: Stop | None = None) -> in
         if stop.asked and stop.at_once:  # C code of libraries may turn Stopped into an ImportError or another error
             return _stopped(stop)
         return _failed(error)
+
+
+def _without_null_device(error: OSError) -> int:
+    """Say how to get it back; return the exit code. All that sistap runs needs it, too."""
+    from sistap.tap.terminal.advice import advice
+
+    with suppress(OSError):  # standard error may be closed
+        Console().say(f"{os.devnull} cannot be opened ({error.strerror}): {advice().null_device}")
+    return FAILED
 
 
 def _failed(error: Exception) -> int:

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import pytest
 
 from sistap import cli
-from sistap.tap.terminal.exits import DONE, USAGE
+from sistap.tap.terminal.exits import DONE, FAILED, USAGE
 
 pytestmark = pytest.mark.tap
 
@@ -43,3 +46,16 @@ def test_without_a_command_all_are_named(arguments: list[str], code: int, capsys
         assert error.code == code
     said = "".join(capsys.readouterr())
     assert all(name in said for name in cli.COMMANDS)
+
+
+@pytest.mark.attack("/dev/null is missing", "a line says so, with the cure")
+@pytest.mark.parametrize("command", ["report", "log", "capture", "install", "doctor", "import", "--version"])
+def test_a_missing_null_device(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capfd: pytest.CaptureFixture[str], command: str
+) -> None:
+    with monkeypatch.context() as missing:
+        missing.setattr(os, "devnull", str(tmp_path / "null"))
+        assert cli.main([command]) == FAILED
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert err.startswith(f"sistap: {tmp_path / 'null'} cannot be opened (No such file or directory): ")

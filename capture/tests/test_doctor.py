@@ -48,11 +48,11 @@ class FakeTshark:
 
     def __exit__(self, *error: object) -> None: ...
 
-    def output(self, *arguments: str) -> str:
+    def answer(self, *arguments: str) -> str:
         return {("--version",): self.version, ("-G", "folders"): ""}[arguments]
 
-    def run(self, arguments: list[str]) -> subprocess.CompletedProcess[str]:
-        assert arguments == ["-G", "plugins"]
+    def ask(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        assert arguments == ("-G", "plugins")
         return subprocess.CompletedProcess(arguments, 0, self.plugins, self.complaints)
 
 

@@ -44,7 +44,7 @@ class FakeTshark:
 
     def __exit__(self, *error: object) -> None: ...
 
-    def output(self, *arguments: str) -> str:
+    def answer(self, *arguments: str) -> str:
         if arguments == ("--version",):
             return self.version
         assert arguments == ("-G", "folders")
@@ -59,8 +59,8 @@ class FakeTshark:
             }.items()
         )
 
-    def run(self, arguments: list[str]) -> "subprocess.CompletedProcess[str]":
-        assert arguments == ["-G", "plugins"]
+    def ask(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
+        assert arguments == ("-G", "plugins")
         found = [] if self.complaint else [*self.root.rglob("sis.so"), *self.root.rglob("sis.lua")]
         listed = "".join(f"{file.name}\t0.1.0\tdissector\t{file}\n" for file in found)
         return subprocess.CompletedProcess(arguments, 0, listed, self.complaint)

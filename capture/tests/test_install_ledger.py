@@ -4,6 +4,7 @@
 import json
 import os
 import re
+from contextlib import ExitStack
 from hashlib import sha256
 from pathlib import Path
 
@@ -11,7 +12,9 @@ import pytest
 from portable import WINDOWS, fifos, links, posix
 
 import sistap.tap.terminal.state
+from sistap.commands.install import turn
 from sistap.commands.install.ledger import ElsewhereError, Ledger
+from sistap.commands.install.turn import alone
 from sistap.dissected.wireshark.folders import Own
 from sistap.tap.terminal.exits import Refusal
 from sistap.tap.terminal.state import StateError
@@ -108,6 +111,54 @@ def test_what_could_not_be_remembered_is_not_put(place: Path) -> None:
     with pytest.raises(OSError, match=re.escape(repr(str(ledger.path.parent))[1:-1])):
         ledger.put(place / "sis.so", b"")
     assert not place.exists()
+
+
+@pytest.mark.attack("two installs at once", "one waits for the other, and uninstall removes all of both")
+def test_a_second_install_waits_for_the_first(place: Path, own: Own, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = tree(place.parent)
+    with ExitStack() as first:
+        ledger = first.enter_context(alone(for_all=False))
+
+        def end_the_first(seconds: float) -> None:
+            ledger.put(place / "plugins/sis.lua", b"")
+            ledger.save()
+            first.close()
+
+        monkeypatch.setattr("time.sleep", end_the_first)
+        with alone(for_all=False) as second:
+            second.put(place / "extcap/sistap", b"")
+            second.save()
+    with alone(for_all=False) as last:
+        assert last.files == [place / "plugins/sis.lua", place / "extcap/sistap"]
+        for file in last.files:
+            last.remove(file, own)
+        last.remove_folders(own)
+        last.save()
+    assert tree(place.parent) == before
+
+
+def test_a_second_install_waits_no_longer_than_that(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(turn, "WAIT_S", 0)
+    with alone(for_all=False), pytest.raises(Refusal, match="another .* is under way: try again when it has ended"):
+        alone(for_all=False).__enter__()
+    with alone(for_all=False):  # the first has ended
+        pass
+    assert not Ledger(for_all=False).path.parent.exists()
+
+
+@posix("Windows has no such modes")
+def test_nobody_else_can_make_an_install_wait() -> None:
+    with alone(for_all=False) as ledger:
+        assert (ledger.path.parent / turn.NAME).stat().st_mode & 0o077 == 0
+
+
+def test_a_lock_of_one_that_was_killed_is_taken() -> None:
+    lock = Ledger(for_all=False).path.parent / turn.NAME
+    lock.parent.mkdir(parents=True)
+    lock.touch()
+    with alone(for_all=False):
+        pass
+    assert not lock.parent.exists()
 
 
 def test_folders_that_were_there_stay(place: Path, own: Own) -> None:

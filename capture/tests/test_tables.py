@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import subprocess
 from collections.abc import Iterable, Iterator
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
@@ -387,8 +388,31 @@ def test_a_long_name_of_a_tap(tmp_path: Path) -> None:
     assert folder.name == f"tap={'x' * 100}"
 
 
+def with_pyarrow(folder: Path, text: str, capture: Path) -> subprocess.CompletedProcess[str]:
+    """Run where pyarrow is this text."""
+    (folder / "other/pyarrow").mkdir(parents=True)
+    (folder / "other/pyarrow/__init__.py").write_text(text)
+    path = f"{folder / 'other'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+    return run_anew(folder, "tables", capture, "-o", "t", PYTHONPATH=path)
+
+
 def test_without_pyarrow(tmp_path: Path, days: list[Path]) -> None:
-    (tmp_path / "nothing").mkdir()
-    (tmp_path / "nothing" / "pyarrow.py").write_text("raise ImportError('not here')")
-    path = f"{tmp_path / 'nothing'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
-    refused(run_anew(tmp_path, "tables", days[0], "-o", "t", PYTHONPATH=path), 1, "pyarrow is missing", "pip install")
+    text = "raise ModuleNotFoundError(name='pyarrow')"
+    refused(with_pyarrow(tmp_path, text, days[0]), 1, "pyarrow is missing", "pip install pyarrow")
+
+
+BROKEN = {
+    "its library is for another processor": ("raise ImportError('wrong ELF class')", "(wrong ELF class)"),
+    "another package has a wrong version": ("raise AttributeError('numpy: no x\\nmore')", "(numpy: no x)"),
+    "it says nothing": ("raise SystemError", "(SystemError)"),
+    "a part is missing": ("string = bool_ = int64 = schema = lambda *_: 0", "pyarrow"),
+    "a file is cut off": ("def x(", "'(' was never closed"),
+}
+
+
+@pytest.mark.attack("a broken pyarrow, or one without a part", "a line says why, and how to get one that works")
+@pytest.mark.parametrize("how", BROKEN)
+def test_a_broken_pyarrow(tmp_path: Path, days: list[Path], how: str) -> None:
+    text, why = BROKEN[how]
+    said = with_pyarrow(tmp_path, text, days[0])
+    refused(said, 1, "pyarrow does not work with ", why, "pip install --force-reinstall pyarrow")

@@ -6,10 +6,14 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from sistap import cli
+from sistap.dissected.wireshark import tshark
 from sistap.dissected.wireshark.tshark import NOBODY, Tshark, TsharkError
 
 
@@ -176,3 +180,47 @@ def test_a_flood_on_stderr_fills_no_disk() -> None:
             next(lines)
     size, end = len(str(error.value)), str(error.value)[-5:]
     assert end == "xxwhy" and size < 100_000
+
+
+ENDLESS = {
+    "a question is never answered": ("exec sleep 1000", "does not end within 0.5 s"),
+    "a program of it goes on": ("sleep 5 & echo 4.0", "does not end within 0.5 s"),
+    "an answer ends, but tshark does not": ("exec sleep 1000 >&-", "does not end within 0.5 s"),
+    "an answer has no end": ("exec tr '\\0' x </dev/zero", "answers more than 1,000 bytes"),
+}
+
+
+@pytest.fixture
+def open_folder() -> Iterator[Path]:
+    """A folder that nobody may enter, too."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o755)
+        yield Path(folder)
+
+
+@pytest.mark.attack("a tshark that hangs, or that answers without end", "a line names it after a while, with the cure")
+@pytest.mark.parametrize("script", ENDLESS)
+@pytest.mark.timeout(20)
+def test_a_question_has_limits(
+    monkeypatch: pytest.MonkeyPatch, open_folder: Path, capfd: pytest.CaptureFixture[str], script: str
+) -> None:
+    command, what = ENDLESS[script]
+    program = open_folder / "tshark"
+    program.write_text(f"#!/bin/sh\n{command}\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(program.parent), prepend=os.pathsep)
+    monkeypatch.setattr(tshark, "ANSWER_S", 0.5)
+    monkeypatch.setattr(tshark, "ANSWER_BYTES", 1000)
+    cure = "reinstall Wireshark, or take another by `sistap install --wireshark FOLDER`"
+    assert cli.main(["install"]) == 1
+    assert capfd.readouterr().err == f"sistap: {program} --version {what}: {cure}\n"
+    assert cli.main(["doctor"]) == 1
+    assert f"bad   tshark     {program} --version {what}: {cure}\n" in capfd.readouterr().out
+
+
+def test_an_answer_and_what_was_said_beside_it() -> None:
+    with Tshark("sh") as shell:
+        done = shell.ask("-c", "echo yes; echo but >&2; exit 3")
+        assert (done.returncode, done.stdout, done.stderr) == (3, "yes\n", "but")
+        with pytest.raises(TsharkError, match="^sh: but$"):
+            shell.answer("-c", "echo but >&2; exit 3")

@@ -246,9 +246,9 @@ def _libpcap() -> Iterator[Point]:
 def _wireshark() -> Iterator[Point]:
     try:
         with Tshark() as tshark:
-            yield _version(tshark.output("--version"))
-            done = tshark.run(["-G", "plugins"])
-            named = tshark.output("-G", "folders")
+            yield _version(tshark.answer("--version"))
+            done = tshark.ask("-G", "plugins")
+            named = tshark.answer("-G", "folders")
     except (TsharkError, OSError) as error:
         yield Point("bad", "tshark", f"{error}")
         return

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from sistap.commands.install import personal, shell, sources
 from sistap.commands.install.ledger import ElsewhereError, Ledger
 from sistap.commands.install.shell import launcher, settings
+from sistap.commands.install.turn import alone
 from sistap.dissected.wireshark import folders, profile
 from sistap.dissected.wireshark.tshark import (
     OLDEST_WIRESHARK,
@@ -78,6 +79,14 @@ class InstalledFile(NamedTuple):
     executable: bool = False
 
 
+class Asked(NamedTuple):
+    """What tshark has said."""
+
+    version: Version
+    folders: str
+    plugins: list[Loaded]
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     which = parser.add_mutually_exclusive_group()
@@ -119,33 +128,39 @@ def _install(args: argparse.Namespace, console: Console) -> int:
         programs.remember(args.wireshark)
     with Tshark(drop_rights=False) as tshark:
         wireshark = _supported_version(tshark)
-        named = tshark.output("-G", "folders")
-        there = loaded(tshark.run(["-G", "plugins"]).stdout)
-    ledger = Ledger(for_all=for_all)
-    print(f"Wireshark {wireshark.text}, for {_FOR_ALL if for_all else 'this user'}", flush=True)
-    places = folders.parse(named, for_all=for_all)
+        named = tshark.answer("-G", "folders")
+        there = loaded(tshark.ask("-G", "plugins").stdout)
+    with alone(for_all=for_all) as ledger:
+        print(f"Wireshark {wireshark.text}, for {_FOR_ALL if for_all else 'this user'}", flush=True)
+        _put(args, Asked(wireshark, named, there), ledger, console)
+    if for_all:
+        _warn_of_others_rights(console)
+    return _check(console)
+
+
+def _put(args: argparse.Namespace, asked: Asked, ledger: Ledger, console: Console) -> None:
+    """Put all files. Raise RuntimeError or OSError."""
+    for_all = is_root()
+    places = folders.parse(asked.folders, for_all=for_all)
     files = list(_others(places))
     if not for_all:
         personal.adopt(ledger, places.profiles / profile.NAME)
-        files = list(_not_there_for_all(files, list(_others(folders.parse(named, for_all=True)))))
+        files = list(_not_there_for_all(files, list(_others(folders.parse(asked.folders, for_all=True)))))
     script = args.lua or (WINDOWS and not args.plugin)  # a build here would be one of Linux, in a copied checkout
-    chosen = sources.Dissector(sources.lua(), False, []) if script else sources.dissector(args.plugin, wireshark)
-    foreign = _foreign(there, ledger)
+    chosen = sources.Dissector(sources.lua(), False, []) if script else sources.dissector(args.plugin, asked.version)
+    foreign = _foreign(asked.plugins, ledger)
     if foreign:
         _tell(f"kept     {foreign}: Wireshark loads it, and `sistap install` did not put it there")
     else:
-        working = next((Path(found.file) for found in there if not found.file.endswith(".lua")), None)
+        working = next((Path(found.file) for found in asked.plugins if not found.file.endswith(".lua")), None)
         files.append(_dissector(chosen, places, working, console, replace=args.lua))
     where = shell.places(for_all=for_all, windows=WINDOWS)
     files += _for_a_shell(args, where, ledger)
-    _bring_up_to_date(ledger, files, _own(named, for_all=for_all))
+    _bring_up_to_date(ledger, files, _own(asked.folders, for_all=for_all))
     on_path = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
     if where.command in ledger.files and where.command.parent not in on_path:
         cure = advice().path.format(folder=shell_word(str(where.command.parent)))
         console.say(f"{where.command.parent} is not in PATH: {cure}")
-    if for_all:
-        _warn_of_others_rights(console)
-    return _check(console)
 
 
 def _tell(line: str) -> None:
@@ -156,13 +171,13 @@ def _tell(line: str) -> None:
 def own_folders() -> folders.Own:
     """Return Wireshark's own folders and those of a shell. Raise TsharkError."""
     with Tshark(drop_rights=False) as tshark:
-        return _own(tshark.output("-G", "folders"), for_all=is_root())
+        return _own(tshark.answer("-G", "folders"), for_all=is_root())
 
 
 def profiles() -> Path:
     """Return this user's folder of profiles. Raise TsharkError."""
     with Tshark(drop_rights=False) as tshark:
-        return folders.parse(tshark.output("-G", "folders"), for_all=False).profiles
+        return folders.parse(tshark.answer("-G", "folders"), for_all=False).profiles
 
 
 def _own(named: str, *, for_all: bool) -> folders.Own:
@@ -171,7 +186,7 @@ def _own(named: str, *, for_all: bool) -> folders.Own:
 
 
 def _supported_version(tshark: Tshark) -> Version:
-    found = version(tshark.output("--version"))
+    found = version(tshark.answer("--version"))
     if not found:
         raise TsharkError("tshark does not say its version: install tshark 4.0 or later")
     if (found.major, found.minor) < OLDEST_WIRESHARK:
@@ -301,7 +316,7 @@ def _silent_reason() -> str:
 def _check(console: Console) -> int:
     """Ask Wireshark, as an ordinary user, whether it loads the dissector."""
     with Tshark() as tshark:
-        done = tshark.run(["-G", "plugins"])
+        done = tshark.ask("-G", "plugins")
     found = loaded(done.stdout)
     if not found:
         why = next((line for line in done.stderr.splitlines() if "sis" in line), _silent_reason())

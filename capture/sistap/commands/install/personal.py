@@ -8,6 +8,7 @@ from pathlib import Path
 
 from sistap.commands.install import sources
 from sistap.commands.install.ledger import ElsewhereError, Ledger
+from sistap.commands.install.turn import alone
 from sistap.dissected.wireshark import profile
 from sistap.dissected.wireshark.folders import Own
 from sistap.tap.line import measurement
@@ -51,27 +52,27 @@ def renew(configuration: Path) -> Iterator[str]:
     """Renew the copy in a user's folder of Wireshark, if there is one; yield a line for each change."""
     copy = configuration / "profiles" / profile.NAME
     if copy.is_dir():
-        ledger = Ledger(for_all=False)
-        adopt(ledger, copy)
-        lines = [ledger.put(file, content) for file, content in files(copy)]
-        ledger.save()
+        with alone(for_all=False) as ledger:
+            adopt(ledger, copy)
+            lines = [ledger.put(file, content) for file, content in files(copy)]
+            ledger.save()
         yield from (line for line in lines if not line.startswith("same"))
 
 
 def remove(configuration: Path) -> Iterator[str]:
     """Remove the copy in a user's folder of Wireshark, except for what the user has changed; yield a line for each."""
     copy = configuration / "profiles" / profile.NAME
-    ledger = Ledger(for_all=False)
     own = Own.of([configuration])
-    adopt(ledger, copy)
-    for file in [file for file in ledger.files if file.parent == copy]:
-        try:
-            yield ledger.remove(file, own)
-        except ElsewhereError as error:
-            yield str(error)
-    yield from ledger.remove_folders(own)
-    yield from left(copy, ledger)
-    ledger.save()
+    with alone(for_all=False) as ledger:
+        adopt(ledger, copy)
+        for file in [file for file in ledger.files if file.parent == copy]:
+            try:
+                yield ledger.remove(file, own)
+            except ElsewhereError as error:
+                yield str(error)
+        yield from ledger.remove_folders(own)
+        yield from left(copy, ledger)
+        ledger.save()
     forget(configuration)
     measurement.forget()
 

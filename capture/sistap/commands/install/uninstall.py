@@ -8,6 +8,7 @@ from pathlib import Path
 
 from sistap.commands.install import command, personal
 from sistap.commands.install.ledger import ElsewhereError, Ledger
+from sistap.commands.install.turn import alone
 from sistap.dissected.wireshark import folders, profile
 from sistap.dissected.wireshark.tshark import TsharkError
 from sistap.tap.line import measurement
@@ -42,21 +43,8 @@ def run(args: argparse.Namespace) -> int:
     """Remove; print a line for each file; return the exit code."""
     console = Console()
     try:
-        ledger = Ledger(for_all=is_root())
-        profiles = None if is_root() else _adopt_profile(ledger)
-        if not ledger.files:
-            whose = "all users" if is_root() else "this user"
-            print(f"nothing to remove: nothing was installed for {whose}")
-        removed = ledger.is_empty or _remove(ledger, command.own_folders(), console)
-        if profiles:
-            personal.forget(profiles.parent)
-            for line in personal.left(profiles / profile.NAME, ledger):
-                print(visible(line))
-        if removed:
-            programs.forget()
-            measurement.forget()
-        if Path(__file__).is_relative_to(OF_PACKAGE) and (package := as_typed(advice().package)):
-            print(package)
+        with alone(for_all=is_root()) as ledger:
+            removed = _uninstall(ledger, console)
     except TsharkError as error:
         console.say(f"nothing is removed, as only tshark knows which folders are Wireshark's: {error}")
         return FAILED
@@ -64,6 +52,25 @@ def run(args: argparse.Namespace) -> int:
         console.say(str(error))
         return FAILED
     return DONE if removed else FAILED
+
+
+def _uninstall(ledger: Ledger, console: Console) -> bool:
+    """Remove all; return whether that was possible. TsharkError, RuntimeError, OSError."""
+    profiles = None if is_root() else _adopt_profile(ledger)
+    if not ledger.files:
+        whose = "all users" if is_root() else "this user"
+        print(f"nothing to remove: nothing was installed for {whose}")
+    removed = ledger.is_empty or _remove(ledger, command.own_folders(), console)
+    if profiles:
+        personal.forget(profiles.parent)
+        for line in personal.left(profiles / profile.NAME, ledger):
+            print(visible(line))
+    if removed:
+        programs.forget()
+        measurement.forget()
+    if Path(__file__).is_relative_to(OF_PACKAGE) and (package := as_typed(advice().package)):
+        print(package)
+    return removed
 
 
 def _adopt_profile(ledger: Ledger) -> Path | None:

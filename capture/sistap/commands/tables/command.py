@@ -10,11 +10,10 @@ from pathlib import Path
 from sistap.dissected.captures.joining import check_captures, in_order
 from sistap.dissected.episodes.options import add_rule
 from sistap.dissected.wireshark.tshark import Tshark
-from sistap.tap.common.packages import needed
+from sistap.tap.common.packages import needing
 from sistap.tap.common.writing import make_folder
 from sistap.tap.terminal.console import Console
 from sistap.tap.terminal.exits import DONE, Refusal
-from sistap.tap.terminal.stop import held
 from sistap.tap.terminal.writing import mode_like
 
 DESCRIPTION = """\
@@ -60,13 +59,12 @@ def run(args: argparse.Namespace) -> int:
     """Put the captures into the tables; return the exit code."""
     console = Console()
     _check(args, console)
-    needed("pyarrow")
     _put(args, console)
     return DONE
 
 
 def _put(args: argparse.Namespace, console: Console) -> None:
-    with held():  # imported late: these modules need pyarrow
+    with needing("pyarrow"):  # imported late, as other commands do without it
         from sistap.commands.tables.convert import put
         from sistap.commands.tables.store import Store, slug
 

@@ -16,6 +16,8 @@ import shutil
 import stat
 import subprocess
 import sys
+import threading
+import time
 import weakref
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -92,6 +94,8 @@ def _copy_file(name: str, folder: int, target: Path, *, is_strict: bool) -> None
 NOBODY = 65534
 OLDEST_WIRESHARK = (4, 0)
 _PIECE = 1 << 20  # bytes copied at once
+ANSWER_S = 30.0  # for a question about itself: a slow disk needs some seconds for all plugins
+ANSWER_BYTES = 4_000_000  # of the answer: all plugins take some 50 kB
 
 
 def environment(program: str) -> dict[str, str]:
@@ -306,11 +310,52 @@ class Tshark:
 
     def output(self, *arguments: str) -> str:
         """Run tshark and return its stdout. TsharkError with its last message if it failed."""
-        done = self.run(arguments)
-        if done.returncode != 0:
-            words = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
-            raise TsharkError(f"{Path(self._path).name}: {words[-1]}")
-        return done.stdout
+        return _good(self.run(arguments))
+
+    def answer(self, *arguments: str) -> str:
+        """Do the same for a question about itself, with the limits of `ask`."""
+        return _good(self.ask(*arguments))
+
+    def ask(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """Ask tshark about itself, as with -G folders. TsharkError if it answers too late, or too much."""
+        settings = self._settings(arguments) | {"stdout": subprocess.PIPE, "bufsize": 0}
+        command = [self._path, *arguments]
+        with Complaints() as complaints:
+            with self._running(command, stderr=complaints.stream, **settings) as process:
+                complaints.stream.close()
+                if trouble := _read_limited(process, answer := bytearray()):
+                    cure = "reinstall Wireshark, or take another by `sistap install --wireshark FOLDER`"
+                    raise TsharkError(f"{self._path} {' '.join(arguments)} {trouble}: {cure}")
+            said = complaints.text()
+        return subprocess.CompletedProcess(command, process.returncode, answer.decode(errors="replace"), said)
+
+
+def _good(done: subprocess.CompletedProcess[str]) -> str:
+    if done.returncode != 0:
+        words = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+        raise TsharkError(f"{Path(done.args[0]).name}: {words[-1]}")
+    return done.stdout
+
+
+def _read_limited(process: subprocess.Popen[bytes], answer: bytearray) -> str:
+    """Read stdout to its end, in a thread, as Windows cannot wait for a pipe; return what is wrong, if anything."""
+    stdout, end = process.stdout, time.monotonic() + ANSWER_S
+
+    def read() -> None:
+        with suppress(OSError, ValueError):  # closed, as nobody waits any more
+            while stdout and len(answer) <= ANSWER_BYTES and (piece := stdout.read(_PIECE)):
+                answer.extend(piece)
+
+    reader = threading.Thread(target=read, daemon=True)
+    reader.start()
+    reader.join(ANSWER_S)
+    if len(answer) > ANSWER_BYTES:
+        return f"answers more than {ANSWER_BYTES:,} bytes"
+    with suppress(subprocess.TimeoutExpired):
+        if not reader.is_alive():
+            process.wait(max(end - time.monotonic(), 0))
+            return ""
+    return f"does not end within {ANSWER_S:g} s"
 
 
 class _OwnFolder:

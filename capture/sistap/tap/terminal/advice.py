@@ -27,6 +27,7 @@ class Advice(NamedTuple):
     ports_group: str = ""  # users of serial ports must belong to it
     package: str = ""  # how to remove the package of the system
     no_wireshark: str = ""  # none was found; it may be somewhere else
+    null_device: str = "restart the computer"  # what a program reads or writes in place of nothing is not there
 
 
 _LINUX = Advice(
@@ -44,6 +45,7 @@ _LINUX = Advice(
     latency_timer="`echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer`",
     ports_group="dialout",
     package="`sudo apt-get remove sistap` removes the Debian package",
+    null_device="`sudo rm -f /dev/null; sudo mknod -m 666 /dev/null c 1 3` makes it anew",
 )
 
 _MACOS = _LINUX._replace(
@@ -57,6 +59,7 @@ _MACOS = _LINUX._replace(
     latency_timer="the driver of macOS has no such setting: capture on a Linux computer, through ssh",
     ports_group="",
     package="",
+    null_device="restart the computer",
 )
 
 _WINDOWS = Advice(
