@@ -150,6 +150,15 @@ def test_errors_inside_a_list_of_services_count(tshark: Tshark, tmp_path: Path) 
     assert errors == {"0x1001": 1, "0x7003": 1}
 
 
+def test_a_command_without_a_reaction_counts_for_its_own_station(tshark: Tshark, tmp_path: Path) -> None:
+    """The next one went to another."""
+    (tmp_path / "none.txt").write_text("command 16>3 12\ncommand 16>4 12\nreaction 16>4 12 00 02\n")
+    (tmp_path / "none.pcapng").write_bytes(Scenario(tmp_path / "none.txt").capture())
+    found = tree(tshark.output("-q", "-z", "sis,tree", "-r", str(tmp_path / "none.pcapng")))
+    place = found.index(("   Unanswered", 1))
+    assert next(name for name, _ in reversed(found[:place]) if name.startswith("  Station")) == "  Station 3"
+
+
 def test_services_have_the_names_of_the_edition(tshark: Tshark, tmp_path: Path) -> None:
     """0xE0 to 0xEF are DISC in IF02, and reserved in ECODRIVE03."""
     (tmp_path / "disc.txt").write_text("command 16>3 E3 01\n")

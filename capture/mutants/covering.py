@@ -32,7 +32,7 @@ STATIONS = ("test_stations.py",)
 PLAYING = ("test_playing.py", "test_scenario.py")
 CAPTURES = "../../test-captures"
 TIMES = tuple(f"{CAPTURES}/test_{name}.py" for name in ("timing_limits", "timing", "timing_clock", "captures"))
-EXCHANGES = tuple(f"{CAPTURES}/test_{name}.py" for name in ("exchange", "timing", "captures"))
+EXCHANGES = tuple(f"{CAPTURES}/test_{name}.py" for name in ("exchange", "timing", "statistics", "captures"))
 SEQUENCES = tuple(f"{CAPTURES}/test_{name}.py" for name in ("sequence", "captures"))
 
 
@@ -87,5 +87,6 @@ PARTS = (
     *room("sisbus/playing", "characters conducting player", PLAYING),
     *room("../plugin/sis", "timing times cycle", TIMES, ".c"),
     *room("../plugin/sis", "exchange bus learn routes telegram", EXCHANGES, ".c"),
-    *room("../plugin/sis", "sequence", SEQUENCES, ".c"),
+    *room("../plugin/sis", "sequence record", SEQUENCES, ".c"),
+    Part("../plugin/sis/told.c", ("test_rows.py",)),
 )

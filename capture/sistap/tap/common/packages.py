@@ -57,6 +57,6 @@ def _how_to_get(package: str, again: str = "") -> str:
     return (
         f"{before}`{shell_word(str(python))} -m venv --system-site-packages ~/sistap-python`, "
         f"`~/sistap-python/bin/pip install {again}{package}`; then type "
-        f"`PYTHONPATH={shell_word(str(_ROOT))} ~/sistap-python/bin/python3 -m sistap` in place "
+        f"`PYTHONPATH={shell_word(str(_ROOT))} ~/sistap-python/bin/python3 -P -m sistap` in place "
         "of `sistap`"
     )
