@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from sistap.commands.install.ledger import Ledger
@@ -59,7 +59,9 @@ def _opened(path: Path) -> int:
 
 def _is(path: Path, descriptor: int) -> bool:
     """Tell whether the locked file is still there: the other removes it at its end."""
-    return path.exists() and os.path.samestat(path.stat(), os.fstat(descriptor))
+    with suppress(FileNotFoundError):
+        return os.path.samestat(path.stat(), os.fstat(descriptor))
+    return False
 
 
 def _unlock(path: Path, descriptor: int) -> None:
