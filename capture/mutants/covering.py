@@ -61,9 +61,9 @@ TAP = (
 
 PARTS = (
     *TAP,
-    Part("sistap/dissected/episodes/readings.py", ("test_readings.py", "test_verdicts.py")),
+    Part("sistap/dissected/episodes/readings.py", ("test_readings.py", *EPISODES)),
     Part("sistap/dissected/episodes/folding.py", ("test_folding.py", *EPISODES)),
-    Part("sistap/dissected/episodes/lines.py", ("test_episode_lines.py", "test_small_cases.py", "test_verdicts.py")),
+    Part("sistap/dissected/episodes/lines.py", ("test_episode_lines.py", *EPISODES)),
     *room("sistap/dissected/episodes", "book episode", ("test_book.py", *EPISODES)),
     Part("sistap/dissected/episodes/levels.py", ("test_levels.py", *EPISODES)),
     *room("sistap/dissected/episodes", "engine live silence", (*EPISODES, "test_live_episodes.py")),

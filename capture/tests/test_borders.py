@@ -159,6 +159,14 @@ def test_what_is_written_to_the_control_word_switches_a_machine_off() -> None:
     assert len(details(off, "stopped")) == 1
 
 
+def test_a_machine_stands_as_the_status_word_says_whatever_its_other_bits_are() -> None:
+    def word(bits: int) -> Play:
+        said = access(5, "S-0-0135", f"0b{bits:016b}", number=float(bits), data=bits.to_bytes(2, "little").hex())
+        return reads(*[said] * 30, every_s=2)
+
+    assert len(details(then(word(0xC0FF), word(0x80FF), word(0xC0FF)), "stopped")) == 1
+
+
 def test_a_level_that_lasts_to_the_end_says_so_and_no_other_does() -> None:
     steps = told(TORQUE, [*about(50, 99), *about(70, 30, seed=2), *about(50, 99, seed=3)], unit="%")
     assert [detail.rpartition(";")[2] for detail in details(steps, "step")] != [" still so when last read"]

@@ -191,6 +191,11 @@ def test_stations() -> None:
     ]
 
 
+def test_a_reaction_without_a_service_is_in_no_row_of_services() -> None:
+    made = report(at(0, answered(judged(10 * MS, 50 * MS, OK), service=None)))
+    assert tables.services(made).rows == []
+
+
 def test_refusals_that_are_alike_count_each() -> None:
     alike: Any = object()  # as packets have it that say the same
     refused = [at(second, answered(is_refusal=True, status=1), alike=alike) for second in range(3)]

@@ -11,7 +11,7 @@ from typing import Any, cast
 import pytest
 from no_tap import NoTap
 
-from sistap.dissected.captures.portions import Portion
+from sistap.dissected.captures.portions import Begin, Portion
 from sistap.dissected.packets.dissection import Dissection, Packet, packet_of
 from sistap.dissected.packets.kept import Kept, Span
 from sistap.dissected.wireshark.rows import EVENT, FRAME, JOINT, OTHER
@@ -193,7 +193,7 @@ def row(
 def dissection(
     captures: Mapping[str, Sequence[Sequence[Any]]], error: str = "", told: int = 0, **more: Any
 ) -> Dissection:
-    parts = [Portion(Path(name), told) for name in captures]
+    parts = [Portion(Path(name), told, begins=[Begin(told + 1, Path(name), 1)]) for name in captures]
     return Dissection(cast(Tshark, Rows(captures, error)), parts, **more)
 
 
@@ -223,6 +223,12 @@ def test_what_is_kept_is_found_where_times_are_out_of_order(span: Span) -> None:
             kept.put(time_s, str(time_s))
         assert [*kept.rows([span])] == ["5", "1", "3"]
         assert [*kept.rows([Span(6, 7)])] == []
+
+
+def test_each_packet_has_its_place_in_its_own_capture() -> None:
+    with dissection(TWO) as reading:
+        places = [reading.place(one) for one in reading.packets()]
+    assert [(path.name, number) for path, number in places] == [("a", 1), ("a", 2), ("b", 1), ("b", 2), ("b", 3)]
 
 
 def test_what_was_told_before_a_file_has_no_number() -> None:

@@ -55,6 +55,11 @@ def test_after_a_write_of_a_part_the_value_is_not_known() -> None:
     assert [change is not None for change in changes] == [False, False, True, True]
 
 
+def test_zero_is_a_least_value() -> None:
+    (one,) = listed(access(3, SPEED, 0.0), access(3, SPEED, 0.5))
+    assert one.least and one.least.number == 0
+
+
 def test_a_text_that_is_written_again_is_no_change() -> None:
     """Of the ASCII protocol: it has no bytes."""
     made = Listing()

@@ -32,7 +32,7 @@ _NANOSECONDS = bytes((9, 0, 1, 0, 9))  # the option of an interface with such ti
 _FIRST = 100  # records among which is what was told before
 
 
-class _Begin(NamedTuple):
+class Begin(NamedTuple):
     """Where packets of a capture begin in a portion."""
 
     at: int  # number of the packet in the portion
@@ -46,7 +46,7 @@ class Portion(NamedTuple):
     path: Path
     told: int = 0  # packets at its beginning that are not its own: told before, and the last of the portion before
     own: int | None = None  # packets then; what follows belongs to the next portion. None: all
-    begins: Sequence[_Begin] = ()
+    begins: Sequence[Begin] = ()
 
     def owns(self, number: int) -> bool:
         """Tell whether this packet is its own."""
@@ -65,7 +65,7 @@ def in_turn(captures: Sequence[Path], most: int, say: Callable[[str], None]) -> 
     Report damage. Raise NotCaptured for a foreign one among several, before anything else.
     """
     if len(captures) == 1 and (_size(captures[0]) <= most or is_foreign(captures[0])):
-        yield Portion(captures[0], begins=[_Begin(1, captures[0], 1)])
+        yield Portion(captures[0], begins=[Begin(1, captures[0], 1)])
         return
     for capture in filter(is_foreign, captures):
         raise NotCaptured(alone(capture))
@@ -113,7 +113,7 @@ class _Cutting:
 
     def write(self, path: Path) -> Portion:
         """Write the next portion."""
-        begins: list[_Begin] = []
+        begins: list[Begin] = []
         with temporary.keeping("a part of the capture"), path.open("wb") as file:
             joined = Joining(file)
             for packet in (*self._told(), *self._behind):
@@ -122,7 +122,7 @@ class _Cutting:
             for packet in self._own():
                 joined.put(packet)
                 if not begins or packet.number == 1:
-                    begins.append(_Begin(joined.packets, packet.capture, packet.number))
+                    begins.append(Begin(joined.packets, packet.capture, packet.number))
             own = joined.packets - told
             self._ahead.extend(islice(self._source, _AROUND - len(self._ahead)))
             for packet in self._ahead:
