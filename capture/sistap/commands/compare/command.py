@@ -69,9 +69,9 @@ def run(args: argparse.Namespace) -> int:
     """Write the comparison; return the exit code."""
     console = Console()
     good, bad = (check_captures(side, console.say, args.output) for side in _sides(args))
-    if reason := twice([*good, *bad]):
-        console.say(f"{reason}: what is on both sides cannot differ")
     with Tshark() as tshark, opened(args.output, [*good, *bad], force=args.force) as file:
+        if reason := twice([*good, *bad]):
+            console.say(f"{reason}: what is on both sides cannot differ")
         before = read(tshark, good, console.say, console.progress, Engine(thresholds=args.thresholds))
         engine = Engine(before.engine, args.thresholds)
         comparison = compare(before, read(tshark, bad, console.say, console.progress, engine))
