@@ -81,7 +81,7 @@ def test_debians_python_takes_debians_packages(python: Path) -> None:
     said = missing("pyarrow")  # Debian has none
     assert f"`'{python}' -m venv --system-site-packages ~/sistap-python`" in said
     assert "`~/sistap-python/bin/pip install pyarrow`" in said
-    assert f"`PYTHONPATH={shell_word(str(PACKAGE.parent))} ~/sistap-python/bin/python3 -m sistap`" in said
+    assert f"`PYTHONPATH={shell_word(str(PACKAGE.parent))} ~/sistap-python/bin/python3 -P -m sistap`" in said
 
 
 def test_the_bundle_for_windows_has_no_pip(python: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,9 +4,11 @@
 import json
 import os
 import re
+import time
 from contextlib import ExitStack
 from hashlib import sha256
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from portable import WINDOWS, fifos, links, posix
@@ -124,7 +126,7 @@ def test_a_second_install_waits_for_the_first(place: Path, own: Own, monkeypatch
             ledger.save()
             first.close()
 
-        monkeypatch.setattr("time.sleep", end_the_first)
+        monkeypatch.setattr(turn, "time", SimpleNamespace(monotonic=time.monotonic, sleep=end_the_first))
         with alone(for_all=False) as second:
             second.put(place / "extcap/sistap", b"")
             second.save()

@@ -21,6 +21,9 @@ from sistap.commands.recorder.retention import pack
 from sistap.dissected.captures.joining import check_captures
 from sistap.dissected.captures.reading import packets
 from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.files import pcapng
+
+HOUR_NS = 3600 * 10**9
 
 
 @pytest.fixture(scope="module")
@@ -30,9 +33,12 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def folder(tmp_path: Path, capture: Path) -> Path:
-    """Return a ring of two files."""
-    for name in ("ring_00001_20260314220000.pcapng", "ring_00002_20260314230000.pcapng"):
-        (tmp_path / name).write_bytes(capture.read_bytes())
+    """Return a ring of two files: a night, and the same once more an hour later."""
+    (tmp_path / "ring_00001_20260314220000.pcapng").write_bytes(capture.read_bytes())
+    night = list(packets(capture))
+    blocks = [pcapng.section_header("", ""), pcapng.block(pcapng.INTERFACE_DESCRIPTION, night[0].interface)]
+    blocks += [pcapng.enhanced_packet(0, (one.time_ns or 0) + HOUR_NS, one.data) for one in night]
+    (tmp_path / "ring_00002_20260314230000.pcapng").write_bytes(b"".join(blocks))
     return tmp_path
 
 
