@@ -6,7 +6,7 @@ from __future__ import annotations
 from operator import methodcaller as do
 
 import pytest
-from machines import FAULT, PLC, SPEED, Machine, Told, access, diagnosis, judged, telegram, undescribed
+from machines import BEGIN_S, FAULT, PLC, SPEED, Machine, Told, access, diagnosis, judged, telegram, undescribed
 from test_kinds import LIMIT, TORQUE, Play, about, event, firmware, pause, reaction, reads, run, then, told, writes
 
 from sistap.dissected.packets.dissection import EXCEEDED
@@ -92,6 +92,12 @@ def test_a_value_that_is_apart_for_minutes_is_told_once() -> None:
     moves = then(do("write", 3, "S-0-0036", 1000.0), told(SPEED, [1000.0] * 60 + [500.0] * 300))
     (apart,) = of(moves).of("apart")
     assert apart.to_s - apart.from_s == pytest.approx(600, abs=10)
+
+
+def test_a_value_is_apart_since_it_left_its_command_for_the_last_time() -> None:
+    speeds = [1000.0] * 60 + [500.0] * 3 + [1000.0] * 60 + [500.0] * 30
+    (apart,) = of(then(do("write", 3, "S-0-0036", 1000.0), told(SPEED, speeds))).of("apart")
+    assert apart.from_s - BEGIN_S == pytest.approx(2.03 * 123, abs=3)
 
 
 @pytest.mark.parametrize("sign", [-1, 1])

@@ -196,6 +196,13 @@ def test_a_reaction_without_a_service_is_in_no_row_of_services() -> None:
     assert tables.services(made).rows == []
 
 
+def test_reactions_that_could_not_be_measured_are_said_to_be() -> None:
+    """All of them came in one read with their command, say."""
+    table = tables.stations(report(at(0, answered(judged(0, 50 * MS, UNRESOLVED))), at(1, telegram(PLC, 3))))
+    shown = {table.rows[number][0]: row(table, "Slowest reaction", number) for number in range(len(table.rows))}
+    assert shown == {"1": "", "3": "not measured"}
+
+
 def test_refusals_that_are_alike_count_each() -> None:
     alike: Any = object()  # as packets have it that say the same
     refused = [at(second, answered(is_refusal=True, status=1), alike=alike) for second in range(3)]
@@ -432,6 +439,8 @@ def test_windows_are_around_the_worst_of_each_kind() -> None:
     assert [interval.start_s, interval.end_s] == pytest.approx([28, 36])
     (other,) = windows.around(found, BEGIN_S, [ReportWindow("", 19, 21)])  # is seen there
     assert other.title == "Packet 30: Interval longer than TzA"
+    both = [one("late", 20, 0.5), one("interval", 20, 0.1)]  # of one telegram: it is seen once
+    assert [window.title for window in windows.around(both, BEGIN_S, [])] == ["Packet 20: Reaction later than TrS"]
     (short,) = windows.around([one("interval", 0, 0.1)], BEGIN_S, [])
     assert [short.start_s, short.end_s] == pytest.approx([0, 0.03])
 

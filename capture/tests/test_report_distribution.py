@@ -90,3 +90,7 @@ def test_a_load_is_the_most_in_its_slice() -> None:
     assert slices.loads[:2] == [40.0, None]
     slices.add_load(slices.at([10.0])[0], 20.0)
     assert [load for load in slices.loads if load is not None] == [40.0, 20.0]
+    both = Slices()
+    for time, load in ((0.0, 40.0), (0.001, 10.0), (1.0, 5.0)):  # then the first two are in one slice
+        both.add_load(both.at([time])[0], load)
+    assert [load for load in both.loads if load is not None] == [40.0, 5.0]
