@@ -190,12 +190,14 @@ def test_a_large_capture_has_the_parameters_of_the_whole(
     """Wherever it is cut: writes, refusals, names and units are there."""
     from sistap import cli  # noqa: PLC0415
     from sistap.commands.parameters import reading as of_parameters  # noqa: PLC0415
+    from sistap.dissected.captures import portions  # noqa: PLC0415
 
     command = ["parameters", option, str(COURSE / "03-parameters.pcapng")]
     assert cli.main(command) == 0
     whole = capsys.readouterr().out
     assert "S-0-0036" in whole and "rpm" in whole
     monkeypatch.setattr(of_parameters, "_TOGETHER", most)
+    monkeypatch.setattr(portions, "_AROUND", 12)  # else each portion has all of it
     assert cli.main(command) == 0
     assert capsys.readouterr().out == whole
 

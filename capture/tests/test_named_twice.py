@@ -13,9 +13,10 @@ from report_capture import ANSWER, READ, Sent, records
 from test_through_files import write
 
 from sistap import cli
+from sistap.dissected.captures import twice as of_twice
 
 COMMANDS = [
-    *(["report", "--format", "text", "-"], ["report", "-", "--format", "text", "--baseline"], ["parameters", "-"]),
+    *(["report", "--format", "text", "-"], ["parameters", "-"]),
     *(["compare", "--bad", "none", "--good", "-"], ["tables", "-o", "tables", "-"]),
 ]
 
@@ -81,6 +82,29 @@ def test_what_is_on_both_sides_is_told(
     said = " ".join(capfd.readouterr().err.split())
     assert again.name in said
     assert "what is on both sides cannot differ" in said
+
+
+def test_a_good_capture_may_be_in_the_folder_that_is_reported(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    good = write(tmp_path / "a.pcapng", records([Sent(READ), Sent(ANSWER)] * 10))
+    write(tmp_path / "b.pcapng", records([Sent(READ), Sent(READ)] * 10))
+    assert cli.main(["report", "--format", "text", str(tmp_path), "--baseline", str(good)]) == 0
+    said = " ".join(capfd.readouterr().err.split())
+    assert f"{good} is named twice: all that is in it is taken for usual" in said
+
+
+def test_a_capture_that_is_deleted_meanwhile_is_no_copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ring does that."""
+    one = write(tmp_path / "a.pcapng", records([Sent(READ), Sent(ANSWER)] * 10))
+    other = copy(one)
+
+    def is_same(capture: Path, _: Path) -> bool:
+        capture.unlink()
+        return False
+
+    monkeypatch.setattr(of_twice, "_is_same", is_same)
+    assert of_twice.twice([one, other]) == ""
 
 
 def test_a_file_of_a_folder_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import errno
+import gzip
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -203,3 +204,36 @@ def test_a_large_file_that_is_cut_off_says_so(night: Path, tmp_path: Path) -> No
     assert [packet for portion in read for packet in portion] == whole
     assert len(read) >= PIECES - 1
     assert said == [f"{half}: only what comes before the damage: {half} is cut off"]
+
+
+def large(path: Path, count: int, size: int) -> Path:
+    """Write packets of another program, each so large, compressed."""
+    head = pcapng.section_header("", "") + pcapng.interface_description(pcapng.Interface(1, "eth"))
+    packet = pcapng.enhanced_packet(0, 10**18, bytes(size))
+    with gzip.open(path, "wb") as file:
+        file.write(head)
+        for _ in range(count):
+            file.write(packet)
+    return path
+
+
+def test_large_packets_do_not_fill_the_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is beside a seam is bounded in bytes, too."""
+    monkeypatch.setattr(portions, "_AROUND_BYTES", 300_000)
+    captures = [large(tmp_path / f"{name}.pcapng.gz", 20, 100_000) for name in "ab"]
+    sizes = [portion.path.stat().st_size for portion in in_turn(captures, 200_000, pytest.fail)]
+    assert len(sizes) > 5 and max(sizes) < 200_000 + 2 * 300_000 + 300_000
+
+
+def test_what_was_told_is_known_after_a_capture_that_was_compressed_well(
+    tmp_path: Path, night: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody knows before how large it is, and that it is cut."""
+    monkeypatch.setattr(portions, "_AROUND", 1)
+    noise = pcapng.enhanced_packet(0, 2 * 10**18, bytes(100_000))
+    packed = tmp_path / "night.pcapng.gz"
+    packed.write_bytes(gzip.compress(night.read_bytes() + 100 * noise))
+    more = large(tmp_path / "more.pcapng.gz", 1, 10)
+    most = 13 * (packed.stat().st_size + more.stat().st_size)
+    told = [portion.told for portion in in_turn([packed, more], most, pytest.fail)]
+    assert len(told) > 1 and told[-1] > 1

@@ -135,7 +135,7 @@ def _read(side: Side, dissection: Dissection, progress: Callable[[str], None]) -
         capture, number = dissection.place(packet)
         side.add(packet, AccessPlace(visible(capture.name), number, packet.epoch_s))
         begins_s.setdefault(capture, packet.time_s)
-        ends_s[capture] = max(ends_s.get(capture, 0.0), packet.end_s)
+        ends_s[capture] = max(ends_s.get(capture, packet.end_s), packet.end_s)
         if count % _PROGRESS_EVERY == 0:
             progress(f"{capture}: {count} packets read, {packet.time_s - begins_s[capture]:.0f} s of it")
     side.seconds += sum(end_s - begins_s[capture] for capture, end_s in ends_s.items())

@@ -17,7 +17,7 @@ from sistap.commands.report.plots import drawings
 from sistap.commands.report.windows import asked
 from sistap.dissected.captures import portions, since
 from sistap.dissected.captures.joining import check_captures, in_order
-from sistap.dissected.captures.twice import check_once
+from sistap.dissected.captures.twice import twice
 from sistap.dissected.draw.svg import stacked
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.wireshark.tshark import Tshark
@@ -59,7 +59,8 @@ def checked(args: argparse.Namespace, console: Console) -> Noting:
     left_out = Noting(console)
     args.captures = check_captures(args.captures, left_out, args.output)
     args.baseline = check_captures(args.baseline, left_out, args.output) if args.baseline else []
-    check_once([*args.captures, *args.baseline])
+    if reason := twice([*args.captures, *args.baseline]):
+        console.say(f"{reason}: all that is in it is taken for usual")
     return left_out
 
 

@@ -21,7 +21,7 @@ _USB = {186, 189, 220, 249, 266}  # link types (tcpdump.org/linktypes.html): Fre
 def check_captures(named: Iterable[Path], say: Callable[[str], None], output: str | None = None) -> list[Path]:
     """Return all captures, those of a folder one by one. Say what is left out of a folder because it cannot be read.
 
-    Refusal unless all others can be read, twice, and none is the output or there twice.
+    Refusal unless all others can be read again, none is the output, and each is there once.
     """
     captures = [capture for path in named for capture in (_readable(_inside(path), say) if path.is_dir() else [path])]
     for capture in captures:
@@ -137,7 +137,7 @@ def _packets(capture: Path, say: Callable[[str], None]) -> Iterator[CapturedPack
     with reading.opened(capture) as source:
         for kind, order, body in reading.blocks(source, capture, say):
             if order != "<" or kind in reading.OTHER_PACKETS:
-                raise NotCaptured(f"{capture} was not written by sistap: read it alone")
+                raise NotCaptured(alone(capture))
             if kind == pcapng.SECTION_HEADER:
                 descriptions = []
             elif kind == pcapng.INTERFACE_DESCRIPTION:

@@ -27,9 +27,10 @@ from sistap.tap.terminal.exits import NotCaptured
 TOGETHER = 400_000_000
 
 _AROUND = 1000  # packets on either side of a seam that are in both portions: long data come in many pieces
+_AROUND_BYTES = 1 << 25  # of these packets, at most: one of another program may have 16 MB
 _PACKED_TIMES = 12  # as large is a capture that was compressed
 _NANOSECONDS = bytes((9, 0, 1, 0, 9))  # the option of an interface with such times, as sistap writes them
-_FIRST = 100  # records among which is what was told before
+_FIRST = 100  # packets among which is what was told before
 
 
 class Begin(NamedTuple):
@@ -100,14 +101,17 @@ class _Cutting:
     def __init__(self, captures: Sequence[Path], most: int, say: Callable[[str], None]) -> None:
         self._most = most
         self._sizes = {capture: _size(capture) for capture in captures}
-        # If they are one portion, or each knows by itself what was told before, it is not worked out, and none is cut.
+        # What a portion needs to know of those before it is worked out only where there are some, and where no file
+        # says it by itself. Then no file is cut. How large a compressed one is, nobody knows before.
         sizes = self._sizes.values()
-        is_told = sum(sizes) <= most or (max(sizes) <= most and all(map(_is_told, captures[1:])))
-        self._facts = None if is_told else _Facts()
+        is_one = sum(sizes) <= most and all(capture.suffix != ".gz" for capture in captures)
+        is_told = max(sizes) <= most and all(map(_is_told, captures[1:]))
+        self._facts = None if is_one or is_told else _Facts()
         self._source: Iterator[CapturedPacket] = chain.from_iterable(
             joining.packets(capture, say) for capture in captures
         )
-        self._behind: deque[CapturedPacket] = deque(maxlen=_AROUND)
+        self._behind: deque[CapturedPacket] = deque()
+        self._behind_bytes = 0
         self._ahead: deque[CapturedPacket] = deque()
         self.is_over = False
 
@@ -124,7 +128,7 @@ class _Cutting:
                 if not begins or packet.number == 1:
                     begins.append(Begin(joined.packets, packet.capture, packet.number))
             own = joined.packets - told
-            self._ahead.extend(islice(self._source, _AROUND - len(self._ahead)))
+            self._look_ahead()
             for packet in self._ahead:
                 joined.put(packet)
         self.is_over = not self._ahead
@@ -132,8 +136,9 @@ class _Cutting:
 
     def _told(self) -> Iterator[CapturedPacket]:
         """Yield what was told before the next packet."""
-        if self._facts and self._behind:
-            yield from self._facts.packets(self._behind[0])
+        first = next(filter(_counts_ns, self._behind), None)
+        if self._facts and first:
+            yield from self._facts.packets(first)
 
     def _own(self) -> Iterator[CapturedPacket]:
         """Yield the packets of a portion."""
@@ -151,6 +156,12 @@ class _Cutting:
             return self._ahead.popleft()
         return next(self._source, None)
 
+    def _look_ahead(self) -> None:
+        size = sum(len(packet.body) for packet in self._ahead)
+        while len(self._ahead) < _AROUND and size < _AROUND_BYTES and (packet := next(self._source, None)):
+            self._ahead.append(packet)
+            size += len(packet.body)
+
     def _is_full(self, size: int, packet: CapturedPacket) -> bool:
         """Tell whether a packet belongs to the next portion. A file that knows what was told before it is not cut."""
         if self._facts:
@@ -160,15 +171,25 @@ class _Cutting:
     def _remember(self, packet: CapturedPacket) -> None:
         if packet.is_apart:
             self._behind.clear()
+            self._behind_bytes = 0
         self._behind.append(packet)
+        self._behind_bytes += len(packet.body)
+        while len(self._behind) > _AROUND or self._behind_bytes > _AROUND_BYTES:
+            self._behind_bytes -= len(self._behind.popleft().body)
         if self._facts:
             self._facts.take(packet)
+
+
+def _counts_ns(packet: CapturedPacket) -> bool:
+    """Tell whether the time of a packet is in nanoseconds."""
+    return _NANOSECONDS in packet.description
 
 
 def _is_told(capture: Path) -> bool:
     """Tell whether what was told before is at its beginning."""
     try:
-        return any(record.type == Type.BEFORE for record in islice(reading.records(capture), _FIRST))
+        first = map(reading.record_of, islice(reading.packets(capture), _FIRST))
+        return any(record.type == Type.BEFORE for record in first if record)
     except (OSError, NotCaptured):
         return False
 
@@ -181,7 +202,7 @@ class _Facts:
 
     def take(self, packet: CapturedPacket) -> None:
         """Take what a packet tells."""
-        if _NANOSECONDS not in packet.description:
+        if not _counts_ns(packet):
             return
         with suppress(ValueError, IndexError):  # a damaged record
             if record := reading.record_of(packet.raw):

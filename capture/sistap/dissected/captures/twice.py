@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Finds a capture that is named twice: all in it would count twice, or would be compared with itself."""
+"""Finds a capture that is named twice: all in it would count twice, or would be compared with itself.
+
+A copy of its beginning is found, too; not one of its middle or its end, nor one that is damaged.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,7 @@ def twice(captures: Iterable[Path]) -> str:
             continue
         alike = seen.setdefault(beginning, [])
         for other in alike:
-            if capture == other:
+            if capture == other or _is_same(capture, other):
                 return f"{capture} is named twice"
             if again := _again(capture, other):
                 return f"{again[0]} is in {again[1]}, too"
@@ -43,10 +46,25 @@ def _beginning(capture: Path) -> Hashable:
         first = next(reading.packets(capture), None)
         return first and first[:3]
     except NotCaptured:
+        return _heading(capture)
+    except OSError:
+        return None
+
+
+def _heading(capture: Path) -> bytes | None:
+    try:
         with capture.open("rb") as file:
             return file.read(_HEADING)
     except OSError:
         return None
+
+
+def _is_same(capture: Path, other: Path) -> bool:
+    """Tell whether they are one file, also through links."""
+    try:
+        return capture.samefile(other)
+    except OSError:  # a ring has deleted it by now
+        return False
 
 
 def _again(capture: Path, other: Path) -> tuple[Path, Path] | None:
@@ -58,5 +76,14 @@ def _again(capture: Path, other: Path) -> tuple[Path, Path] | None:
             if here[:3] != there[:3]:
                 return None
     except NotCaptured:
-        return (capture, other) if filecmp.cmp(capture, other, shallow=False) else None
+        return (capture, other) if _is_copy(capture, other) else None
+    except OSError:
+        return None
     return capture, other
+
+
+def _is_copy(capture: Path, other: Path) -> bool:
+    try:
+        return filecmp.cmp(capture, other, shallow=False)
+    except OSError:
+        return False
