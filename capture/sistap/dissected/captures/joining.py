@@ -81,14 +81,14 @@ def _unreadable(capture: Path) -> str:
     try:
         if next(reading.packets(capture), None) is None:
             return f"{capture} has no packets"
-        return "" if _is_joinable(capture) else alone(capture)
+        return "" if _is_joinable(capture) else unjoinable(capture)
     except OSError as error:
         return f"cannot read {capture}: {error.strerror}"
     except NotCaptured as error:
         return str(error)
 
 
-def alone(capture: Path) -> str:
+def unjoinable(capture: Path) -> str:
     """Say that it cannot be joined."""
     return f"{capture} cannot be read with others: open it in Wireshark and save it as pcapng"
 
@@ -137,7 +137,7 @@ def _packets(capture: Path, say: Callable[[str], None]) -> Iterator[CapturedPack
     with reading.opened(capture) as source:
         for kind, order, body in reading.blocks(source, capture, say):
             if order != "<" or kind in reading.OTHER_PACKETS:
-                raise NotCaptured(alone(capture))
+                raise NotCaptured(unjoinable(capture))
             if kind == pcapng.SECTION_HEADER:
                 descriptions = []
             elif kind == pcapng.INTERFACE_DESCRIPTION:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sistap.dissected.captures import joining, reading
-from sistap.dissected.captures.joining import CapturedPacket, Joining, alone, in_order, is_foreign
+from sistap.dissected.captures.joining import CapturedPacket, Joining, in_order, is_foreign, unjoinable
 from sistap.tap.common import temporary
 from sistap.tap.files import pcapng
 from sistap.tap.records.before import Before, heard
@@ -69,7 +69,7 @@ def in_turn(captures: Sequence[Path], most: int, say: Callable[[str], None]) -> 
         yield Portion(captures[0], begins=[Begin(1, captures[0], 1)])
         return
     for capture in filter(is_foreign, captures):
-        raise NotCaptured(alone(capture))
+        raise NotCaptured(unjoinable(capture))
     cutting = _Cutting(in_order(captures), most, say)
     while not cutting.is_over:
         with temporary.folder() as folder:
