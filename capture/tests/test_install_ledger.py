@@ -118,6 +118,26 @@ def test_what_could_not_be_remembered_is_not_put(place: Path) -> None:
     assert not place.exists()
 
 
+@pytest.mark.parametrize("failing", [(Path, "mkdir"), (sistap.tap.terminal.state, "replace")], ids=["folder", "file"])
+def test_what_could_not_be_put_is_not_on_the_list(
+    place: Path, monkeypatch: pytest.MonkeyPatch, failing: tuple[object, str]
+) -> None:
+    ledger = Ledger(for_all=False)
+    ledger.put(place / "sis.lua", b"")
+    ledger.save()
+    real = getattr(*failing)
+
+    def full(path: Path, *args: object, **kwargs: object) -> None:
+        if path.is_relative_to(place):
+            raise OSError(28, "No space left on device", str(path))
+        real(path, *args, **kwargs)
+
+    monkeypatch.setattr(*failing, full)
+    with pytest.raises(OSError, match="No space left"):
+        ledger.put(place / "extcap/sistap", b"")
+    assert Ledger(for_all=False).files == [place / "sis.lua"]
+
+
 @pytest.mark.attack("two installs at once", "one waits for the other, and uninstall removes all of both")
 def test_a_second_install_waits_for_the_first(place: Path, own: Own, monkeypatch: pytest.MonkeyPatch) -> None:
     before = tree(place.parent)

@@ -77,8 +77,12 @@ class Ledger:
         if not is_new and not self._is_ours(file):
             cure = "delete it and install again to have the one of this sistap"
             return f"kept     {file}: it was not put there by `sistap install`, or changed since; {cure}"
-        self._announce(file, content)
-        state.replace(file, content, executable=executable)
+        try:
+            self._announce(file, content)
+            state.replace(file, content, executable=executable)
+        except OSError:
+            self._take_back(file)
+            raise
         self._files[str(file)] = _digest(content)
         return f"{'put' if is_new else 'renewed':8} {file}"
 
@@ -144,6 +148,14 @@ class Ledger:
         self._folders += [str(folder) for folder in reversed(missing) if str(folder) not in self._folders]
         self.save()
         file.parent.mkdir(parents=True, exist_ok=True)
+
+    def _take_back(self, file: Path) -> None:
+        """Take what could not be put off the list again, if this is possible."""
+        with suppress(OSError, RuntimeError):
+            if not file.exists():
+                self._files.pop(str(file), None)
+                self._folders = [folder for folder in self._folders if Path(folder).exists()]
+                self.save()
 
 
 def _name(text: object) -> str:
