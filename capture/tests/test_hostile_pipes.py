@@ -38,6 +38,21 @@ def test_no_pipes_of_a_toolbar(tmp_path: Path, hostile: Callable[[Path], None]) 
         wireshark.close()
 
 
+@pytest.mark.attack("a file in the place of the toolbar's pipe", "nothing is written to it; the capture goes on")
+def test_a_file_is_no_pipe_of_a_toolbar(tmp_path: Path) -> None:
+    (tmp_path / "out").write_text("precious")
+    wireshark = Wireshark(tmp_path, "sistap-demo")
+    try:
+        with (tmp_path / "in").open("wb"):
+            assert any(record.type == Type.FRAME for record in wireshark.records())
+            wireshark.process.send_signal(signal.SIGTERM)
+            assert list(wireshark.blocks())
+            assert wireshark.ended() == (0, "")
+        assert (tmp_path / "out").read_text() == "precious"
+    finally:
+        wireshark.close()
+
+
 @pytest.mark.attack("Wireshark never opens the toolbar's pipes, and ends the capture", "it ends at once")
 def test_a_toolbar_that_is_never_opened(tmp_path: Path) -> None:
     wireshark = Wireshark(tmp_path, "sistap-demo")
