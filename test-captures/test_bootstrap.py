@@ -37,10 +37,13 @@ def test_a_folder_of_somebody_else(part: str, checkout: Path) -> None:
     assert (ended.returncode, ended.stdout) == (1, "")
 
 
-def test_a_build_folder_that_leads_elsewhere(checkout: Path, tmp_path: Path) -> None:
-    (checkout / "build").symlink_to(tmp_path)
+@pytest.mark.parametrize("target", [".", "nowhere"])
+def test_a_build_folder_that_leads_elsewhere(checkout: Path, tmp_path: Path, target: str) -> None:
+    (checkout / "build").symlink_to(tmp_path / target)
     ended = run(f"{checkout}/bootstrap", "test")
-    assert (ended.returncode, ended.stdout) == (1, "") and "cannot write to" in ended.stderr
+    assert (ended.returncode, ended.stdout) == (1, "")
+    assert ended.stderr == f"bootstrap: {checkout}/build is a link: replace it by a folder\n"
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_build_folder_in_which_others_may_put_programs(checkout: Path) -> None:

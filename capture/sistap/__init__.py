@@ -56,8 +56,12 @@ def _leave_current_folder() -> None:
 
     Where sistap itself is, it may stay. Python has these two modules, and no other, whatever is in that folder.
     """
-    is_run = sys.argv[:1] == ["-m"] and not sys.flags.safe_path  # by this, while Python looks for what it has to run
-    if is_run and sys.orig_argv[-len(sys.argv)].removeprefix("-m").partition(".")[0] == __name__:
+    # While Python looks for the module that it has to run, -m stands in place of the name of the program.
+    if sys.argv[:1] != ["-m"] or sys.flags.safe_path:
+        return
+    word = sys.orig_argv[-len(sys.argv)]  # the name of the module, or options with it: -Bmsistap
+    module = word.partition("m")[2] if word.startswith("-") else word
+    if module.partition(".")[0] == __name__:
         own = os.path.realpath(os.path.join(__file__, "../.."))  # noqa: PTH118 - pathlib could be of that folder
         if os.path.realpath(sys.path[0]) != own:
             del sys.path[0]

@@ -109,10 +109,10 @@ def entrances() -> Iterator[str]:
             yield ".".join(file.relative_to(CAPTURE).with_suffix("").parts).removesuffix(".__main__")
 
 
-def entered(folder: Path, module: str) -> str:
-    """Return what a module says that is run in a folder, by itself: it finds no other program."""
+def entered(folder: Path, *module: str) -> str:
+    """Run a module in a folder, by itself: it finds no other program. Return what it says."""
     done = subprocess.run(
-        [sys.executable, "-m", module, "--version"],
+        [sys.executable, *module, "--version"],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": str(CAPTURE), "PATH": ""},
         stdout=subprocess.PIPE,
@@ -128,7 +128,7 @@ def trapped(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a trap for each module but those that Python has before it comes to the one to be run."""
     folder = tmp_path_factory.mktemp("trapped")
     (folder / "nothing.py").write_text("import sys\nprint(*sys.modules)")
-    for name in {*sys.stdlib_module_names, "serial", "pyarrow"} - {*entered(folder, "nothing").split()}:
+    for name in {*sys.stdlib_module_names, "serial", "pyarrow"} - {*entered(folder, "-m", "nothing").split()}:
         (folder / f"{name}.py").write_text("print('trapped by', __name__, flush=True)\nraise SystemExit(9)")
     return folder
 
@@ -136,7 +136,12 @@ def trapped(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("module", entrances())
 @pytest.mark.attack("`python3 -m` in a folder with a file for each module of Python", "not imported")
 def test_modules_of_a_foreign_folder_are_not_imported(trapped: Path, module: str) -> None:
-    assert "trapped by" not in entered(trapped, module)
+    assert "trapped by" not in entered(trapped, "-m", module)
+
+
+@pytest.mark.parametrize("words", [["-msistap"], ["-Bmsistap"], ["-W", "ignore", "-Bm", "sistap.cli"]])
+def test_nor_are_they_if_options_are_written_together(trapped: Path, words: list[str]) -> None:
+    assert "trapped by" not in entered(trapped, *words)
 
 
 def test_a_program_that_uses_sistap_keeps_its_folder(tmp_path: Path) -> None:
@@ -146,4 +151,4 @@ def test_a_program_that_uses_sistap_keeps_its_folder(tmp_path: Path) -> None:
     package.mkdir()
     (package / "__init__.py").write_text("import sistap\nimport beside")
     (package / "__main__.py").touch()
-    assert [entered(tmp_path, module) for module in ("own", "package")] == ["here\n", "here\n"]
+    assert [entered(tmp_path, "-m", module) for module in ("own", "package")] == ["here\n", "here\n"]

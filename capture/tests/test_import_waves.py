@@ -626,6 +626,15 @@ def test_of_what_is_too_fast_for_a_line_only_the_beginning_is_kept(
         session.read(tmp_path / "x", NOTHING)
 
 
+@pytest.mark.parametrize("probes", ["", "probe0 = RO\n"])
+def test_a_session_of_dsview_without_samples(tmp_path: Path, probes: str) -> None:
+    """Its channels are others than those of the samples, or none."""
+    path = tmp_path / "x.dsl"
+    zipped(path, header=f"[header]\nsamplerate = 1 MHz\n{probes}", **{"L-7/0": b"\0"})
+    with pytest.raises(Refusal, match="has no samples of logic channels: save them from DSView"):
+        session.read(path, NOTHING)
+
+
 def test_a_session_that_is_cut_off(tmp_path: Path) -> None:
     """The directory of a zip is at its end."""
     cut = tmp_path / "cut.sr"

@@ -18,7 +18,7 @@ from portable import WINDOWS, posix, unpackaged
 import sisbus
 import sistap.tap.terminal.state
 from sistap import cli
-from sistap.commands.install import command, shell, sources, uninstall
+from sistap.commands.install import command, shell, sources, turn, uninstall
 from sistap.dissected.wireshark.tshark import NOBODY, TsharkError
 from sistap.tap.terminal import rights
 from sistap.tap.terminal.advice import advice, shell_word
@@ -379,6 +379,20 @@ def test_uninstall_without_wireshark(root: Path, run: Run, monkeypatch: pytest.M
     said = "sistap: nothing is removed, as only tshark knows which folders are Wireshark's: tshark is not on PATH\n"
     assert run("uninstall") == (1, "", said)
     assert files(root) == before
+
+
+def test_nobody_waits_while_uninstall_asks_tshark(run: Run, state: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A slow disk needs some seconds for all plugins."""
+    run("install")
+    real, locks = FakeTshark.answer, []
+
+    def answer(self: FakeTshark, *arguments: str) -> str:
+        locks.append((state / "sistap" / turn.NAME).exists())
+        return real(self, *arguments)
+
+    monkeypatch.setattr(FakeTshark, "answer", answer)
+    assert run("uninstall")[0] == 0
+    assert locks == [False]
 
 
 @no_root

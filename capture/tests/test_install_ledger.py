@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The ledger remembers what was put where, and nobody else's file is touched."""
 
+import errno
 import json
 import os
 import re
+import signal
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from hashlib import sha256
 from pathlib import Path
@@ -20,6 +23,7 @@ from sistap.commands.install.turn import alone
 from sistap.dissected.wireshark.folders import Own
 from sistap.tap.terminal.exits import Refusal
 from sistap.tap.terminal.state import StateError
+from sistap.tap.terminal.stop import Stop, Stopped
 
 DEEP = pytest.param("[" * 100_000, id="deep")  # no variable of Windows can have such a name in it
 no_root = posix("there is no root")
@@ -72,11 +76,12 @@ class Killed(BaseException):
     """SIGKILL: nothing is done any more."""
 
 
+@pytest.mark.parametrize("goes_on", [True, False])
 @pytest.mark.parametrize("moment", ["before", "after"])
 @pytest.mark.parametrize("old", [None, b"old"])
 @pytest.mark.attack("SIGKILL while install puts a file", "the next install goes on, and uninstall removes all of it")
 def test_one_that_is_killed_is_gone_on_with(
-    place: Path, own: Own, monkeypatch: pytest.MonkeyPatch, old: bytes | None, moment: str
+    place: Path, own: Own, monkeypatch: pytest.MonkeyPatch, *, old: bytes | None, moment: str, goes_on: bool
 ) -> None:
     file, before = place / "a/sis.so", tree(place.parent)
     if old:
@@ -96,10 +101,12 @@ def test_one_that_is_killed_is_gone_on_with(
         with pytest.raises(Killed):
             Ledger(for_all=False).put(file, b"new")
     ledger = Ledger(for_all=False)
-    ledger.put(file, b"new")
-    ledger = again(ledger)
-    assert file.read_bytes() == b"new"
-    assert ledger.remove(file, own) == f"removed  {file}"
+    if goes_on:
+        ledger.put(file, b"new")
+        ledger = again(ledger)
+        assert file.read_bytes() == b"new"
+    said = "removed" if file.exists() else "gone"
+    assert ledger.remove(file, own).startswith(said)
     ledger.remove_folders(own)
     ledger.save()
     assert tree(place.parent) == before
@@ -113,6 +120,26 @@ def test_what_could_not_be_remembered_is_not_put(place: Path) -> None:
     with pytest.raises(OSError, match=re.escape(repr(str(ledger.path.parent))[1:-1])):
         ledger.put(place / "sis.so", b"")
     assert not place.exists()
+
+
+@pytest.mark.parametrize("failing", [(Path, "mkdir"), (sistap.tap.terminal.state, "replace")], ids=["folder", "file"])
+def test_what_could_not_be_put_is_not_on_the_list(
+    place: Path, monkeypatch: pytest.MonkeyPatch, failing: tuple[object, str]
+) -> None:
+    ledger = Ledger(for_all=False)
+    ledger.put(place / "sis.lua", b"")
+    ledger.save()
+    real = getattr(*failing)
+
+    def full(path: Path, *args: object, **kwargs: object) -> None:
+        if path.is_relative_to(place):
+            raise OSError(28, "No space left on device", str(path))
+        real(path, *args, **kwargs)
+
+    monkeypatch.setattr(*failing, full)
+    with pytest.raises(OSError, match="No space left"):
+        ledger.put(place / "extcap/sistap", b"")
+    assert Ledger(for_all=False).files == [place / "sis.lua"]
 
 
 @pytest.mark.attack("two installs at once", "one waits for the other, and uninstall removes all of both")
@@ -161,6 +188,66 @@ def test_a_lock_of_one_that_was_killed_is_taken() -> None:
     with alone(for_all=False):
         pass
     assert not lock.parent.exists()
+
+
+def failing(number: int, at: Path) -> Callable[..., int]:
+    """Return what takes the place of os.open: a file cannot be opened."""
+    real = os.open
+
+    def opened(path: Path, *args: int, **kwargs: int) -> int:
+        if Path(path) == at:
+            raise OSError(number, os.strerror(number), str(path))
+        return real(path, *args, **kwargs)
+
+    return opened
+
+
+@pytest.mark.parametrize("number", [errno.EMFILE, errno.EIO])
+def test_without_its_turn_nothing_is_done(monkeypatch: pytest.MonkeyPatch, number: int) -> None:
+    path = Ledger(for_all=False).path.parent / turn.NAME
+    monkeypatch.setattr(os, "open", failing(number, path))
+    with pytest.raises(OSError, match=os.strerror(number)):
+        alone(for_all=False).__enter__()
+
+
+@pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.ENOSPC])
+def test_where_no_list_can_be_saved_nobody_waits(monkeypatch: pytest.MonkeyPatch, number: int) -> None:
+    path = Ledger(for_all=False).path.parent / turn.NAME
+    monkeypatch.setattr(os, "open", failing(number, path))
+    with alone(for_all=False) as ledger:
+        assert ledger.is_empty
+
+
+def test_the_other_removes_the_folder_while_one_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Then Python's mkdir says that the folder exists."""
+    folder, real = Ledger(for_all=False).path.parent, os.mkdir
+    there = iter([True])
+
+    def mkdir(path: Path, *args: int) -> None:
+        if Path(path) == folder and next(there, False):
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+        real(path, *args)
+
+    monkeypatch.setattr(os, "mkdir", mkdir)
+    with alone(for_all=False):
+        assert (folder / turn.NAME).exists()
+
+
+@pytest.mark.parametrize("moment", ["opened", "removed"])
+def test_a_signal_leaves_no_lock(monkeypatch: pytest.MonkeyPatch, moment: str) -> None:
+    """It comes when the file has just been made, or is about to be removed."""
+    folder = Ledger(for_all=False).path.parent
+    where, name = {"opened": (turn, "_is"), "removed": (sistap.tap.terminal.state, "forget")}[moment]
+    real = getattr(where, name)
+
+    def signalled(*args: object) -> object:
+        signal.raise_signal(signal.SIGINT)
+        return real(*args)
+
+    monkeypatch.setattr(where, name, signalled)
+    with pytest.raises(Stopped), Stop(), alone(for_all=False):
+        pass
+    assert not folder.exists()
 
 
 def test_folders_that_were_there_stay(place: Path, own: Own) -> None:

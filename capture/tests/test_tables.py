@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterable, Iterator
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
@@ -17,6 +18,7 @@ import report_capture
 from commands import refused, run, run_anew
 from report_capture import Sent, write
 
+from sistap import cli
 from sistap.commands.tables.rows import FIELDS, Rows
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.packets.dissection import Dissection
@@ -399,6 +401,14 @@ def with_pyarrow(folder: Path, text: str, capture: Path) -> subprocess.Completed
 def test_without_pyarrow(tmp_path: Path, days: list[Path]) -> None:
     text = "raise ModuleNotFoundError(name='pyarrow')"
     refused(with_pyarrow(tmp_path, text, days[0]), 1, "pyarrow is missing", "pip install pyarrow")
+
+
+def test_a_fault_of_sistap_is_not_one_of_pyarrow(
+    tmp_path: Path, days: list[Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "sistap.commands.tables.convert", None)  # as if a file of sistap were missing
+    with pytest.raises(ModuleNotFoundError, match="sistap.commands.tables.convert"):
+        cli.main(["tables", str(days[0]), "-o", str(tmp_path / "t")])
 
 
 BROKEN = {

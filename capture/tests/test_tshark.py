@@ -182,34 +182,40 @@ def test_a_flood_on_stderr_fills_no_disk() -> None:
     assert end == "xxwhy" and size < 100_000
 
 
+# What tshark is, how long sistap waits for its answer, and what it says then.
 ENDLESS = {
-    "a question is never answered": ("exec sleep 1000", "does not end within 0.5 s"),
-    "a program of it goes on": ("sleep 5 & echo 4.0", "does not end within 0.5 s"),
-    "an answer ends, but tshark does not": ("exec sleep 1000 >&-", "does not end within 0.5 s"),
-    "an answer has no end": ("exec tr '\\0' x </dev/zero", "answers more than 1,000 bytes"),
+    "a question is never answered": ("exec sleep 1000", 0.5, "does not end within 0.5 s"),
+    "a program of it goes on": ("cat ${0%/*}/held & echo 4.0", 0.5, "does not end within 0.5 s"),
+    "an answer ends, but tshark does not": ("exec sleep 1000 >&-", 0.5, "does not end within 0.5 s"),
+    "an answer has no end": ("exec tr '\\0' x </dev/zero", tshark.ANSWER_S, "answers more than 1,000 bytes"),
 }
 
 
 @pytest.fixture
 def open_folder() -> Iterator[Path]:
-    """A folder that nobody may enter, too."""
+    """A folder that nobody may enter, too. Who reads the pipe `held` in it goes on until the end of the test."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder).chmod(0o755)
+        held = Path(folder, "held")
+        os.mkfifo(held)
+        descriptor = os.open(held, os.O_RDWR)
         yield Path(folder)
+        held.unlink()  # so that nobody comes late
+        os.close(descriptor)
 
 
 @pytest.mark.attack("a tshark that hangs, or that answers without end", "a line names it after a while, with the cure")
 @pytest.mark.parametrize("script", ENDLESS)
-@pytest.mark.timeout(20)
+@pytest.mark.timeout(100)
 def test_a_question_has_limits(
     monkeypatch: pytest.MonkeyPatch, open_folder: Path, capfd: pytest.CaptureFixture[str], script: str
 ) -> None:
-    command, what = ENDLESS[script]
+    command, answer_s, what = ENDLESS[script]
     program = open_folder / "tshark"
     program.write_text(f"#!/bin/sh\n{command}\n")
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(program.parent), prepend=os.pathsep)
-    monkeypatch.setattr(tshark, "ANSWER_S", 0.5)
+    monkeypatch.setattr(tshark, "ANSWER_S", answer_s)
     monkeypatch.setattr(tshark, "ANSWER_BYTES", 1000)
     cure = "reinstall Wireshark, or take another by `sistap install --wireshark FOLDER`"
     assert cli.main(["install"]) == 1

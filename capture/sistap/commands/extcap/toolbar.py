@@ -8,6 +8,7 @@ has a pipe and a thread of its own: neither the user nor a busy Wireshark delays
 from __future__ import annotations
 
 import os
+import stat
 import struct
 import threading
 import time
@@ -190,8 +191,12 @@ class Toolbar:
 
 
 def _existing(path: str, flags: int) -> int:
-    """Open what is there, for open(): nothing else is to begin, or to become empty."""
-    return os.open(path, flags & ~(os.O_CREAT | os.O_TRUNC))
+    """Open what is there, for open(): no file is to begin, or to be overwritten. OSError if it is one."""
+    descriptor = os.open(path, flags & ~(os.O_CREAT | os.O_TRUNC))
+    if stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise FileExistsError(path)
+    return descriptor
 
 
 def _received(pipe: BinaryIO) -> Iterator[tuple[int, int, str]]:

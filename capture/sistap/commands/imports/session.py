@@ -153,6 +153,8 @@ def _is_dsview(names: Sequence[str]) -> bool:
 def _dsview(archive: ZipFile, path: Path, stated: Stated) -> tuple[int, list[str], _Samples]:
     said = _described(archive, "header", "header")
     parts = {name: _parts(archive, f"L-{number}/", 0) for number, name in _probes(said).items()}
+    if not any(parts.values()):
+        raise Refusal(f"{path} has no samples of logic channels: save them from DSView")
 
     def samples() -> _Samples:
         for name, files in parts.items():

@@ -156,7 +156,7 @@ def _put(args: argparse.Namespace, asked: Asked, ledger: Ledger, console: Consol
         files.append(_dissector(chosen, places, working, console, replace=args.lua))
     where = shell.places(for_all=for_all, windows=WINDOWS)
     files += _for_a_shell(args, where, ledger)
-    _bring_up_to_date(ledger, files, _own(asked.folders, for_all=for_all))
+    _bring_up_to_date(ledger, files, own_folders(asked.folders, for_all=for_all))
     on_path = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
     if where.command in ledger.files and where.command.parent not in on_path:
         cure = advice().path.format(folder=shell_word(str(where.command.parent)))
@@ -168,20 +168,14 @@ def _tell(line: str) -> None:
     print(visible(line), flush=True)
 
 
-def own_folders() -> folders.Own:
-    """Return Wireshark's own folders and those of a shell. Raise TsharkError."""
+def named_folders() -> str:
+    """Return what tshark says of its folders. Raise TsharkError."""
     with Tshark(drop_rights=False) as tshark:
-        return _own(tshark.answer("-G", "folders"), for_all=is_root())
+        return tshark.answer("-G", "folders")
 
 
-def profiles() -> Path:
-    """Return this user's folder of profiles. Raise TsharkError."""
-    with Tshark(drop_rights=False) as tshark:
-        return folders.parse(tshark.answer("-G", "folders"), for_all=False).profiles
-
-
-def _own(named: str, *, for_all: bool) -> folders.Own:
-    """Return all folders into which install puts files. Raise TsharkError."""
+def own_folders(named: str, *, for_all: bool) -> folders.Own:
+    """Return all folders into which install puts files: Wireshark's own and those of a shell. Raise TsharkError."""
     return folders.Own(named, for_all=for_all, others=shell.folders(shell.places(for_all=for_all, windows=WINDOWS)))
 
 

@@ -29,7 +29,7 @@ class Ledger:
         """Read the list, if there is one. Refusal, OSError; RuntimeError if there can be none."""
         name = "installed-for-all.json" if for_all else "installed.json"
         self.path = state.folder() / name
-        self._files: dict[str, str] = {}  # path: SHA-256
+        self._files: dict[str, str] = {}  # path: SHA-256; while a file is renewed, that of the old, a blank, the new
         self._folders: list[str] = []  # in the order in which they were made
         self.removed_from: set[Path] = set()  # folders from which a file was removed
         if self.path.exists():
@@ -77,9 +77,12 @@ class Ledger:
         if not is_new and not self._is_ours(file):
             cure = "delete it and install again to have the one of this sistap"
             return f"kept     {file}: it was not put there by `sistap install`, or changed since; {cure}"
-        if is_new:
+        try:
             self._announce(file, content)
-        state.replace(file, content, executable=executable)
+            state.replace(file, content, executable=executable)
+        except OSError:
+            self._take_back(file)
+            raise
         self._files[str(file)] = _digest(content)
         return f"{'put' if is_new else 'renewed':8} {file}"
 
@@ -136,15 +139,23 @@ class Ledger:
     def _is_ours(self, file: Path) -> bool:
         if not file.is_file() or file.is_symlink():
             return False
-        return _digest(file.read_bytes()) == self._files.get(str(file))
+        return _digest(file.read_bytes()) in self._files.get(str(file), "").split()
 
     def _announce(self, file: Path, content: bytes) -> None:
         """Write down what comes before it is there, as this may be killed at any moment; make its folder."""
         missing = [folder for folder in file.parents if not folder.exists()]
-        self._files[str(file)] = _digest(content)
+        self._files[str(file)] = f"{self._files.get(str(file), '')} {_digest(content)}".lstrip()
         self._folders += [str(folder) for folder in reversed(missing) if str(folder) not in self._folders]
         self.save()
         file.parent.mkdir(parents=True, exist_ok=True)
+
+    def _take_back(self, file: Path) -> None:
+        """Take what could not be put off the list again, if this is possible."""
+        with suppress(OSError, RuntimeError):
+            if not file.exists():
+                self._files.pop(str(file), None)
+                self._folders = [folder for folder in self._folders if Path(folder).exists()]
+                self.save()
 
 
 def _name(text: object) -> str:

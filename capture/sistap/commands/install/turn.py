@@ -3,20 +3,24 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from sistap.commands.install.ledger import Ledger
 from sistap.tap.terminal import state
 from sistap.tap.terminal.exits import FAILED, Refusal
+from sistap.tap.terminal.stop import held
 from sistap.tap.terminal.writing import lock
 
 WAIT_S = 10.0
 _AGAIN_S = 0.1
 NAME = "installing"  # only its owner may open it, so nobody else can lock it
+# With these no list can be saved either: whoever tries it says why.
+_NO_LIST = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR}
 
 
 @contextmanager
@@ -26,30 +30,32 @@ def alone(*, for_all: bool) -> Iterator[Ledger]:
     Like Ledger, it may raise OSError and RuntimeError.
     """
     path = state.folder() / NAME
-    descriptor = _locked(path)
-    try:
+    with ExitStack() as turn:
+        end = time.monotonic() + WAIT_S
+        while not _took(path, turn):
+            if time.monotonic() >= end:
+                line = "another `sistap install` or `uninstall` is under way: try again when it has ended"
+                raise Refusal(line, FAILED)
+            time.sleep(_AGAIN_S)
         yield Ledger(for_all=for_all)
-    finally:
-        if descriptor is not None:
-            _unlock(path, descriptor)
 
 
-def _locked(path: Path) -> int | None:
-    """Wait for the lock. None where no file can be made: then no list can be saved either, which says why."""
-    end = time.monotonic() + WAIT_S
-    while True:
-        try:
+def _took(path: Path, turn: ExitStack) -> bool:
+    """Take the lock, unless another has it; `turn` gives it back. Where no list can be saved, go on without it."""
+    try:
+        with held():
             descriptor = _opened(path)
             if lock(descriptor) and _is(path, descriptor):
-                return descriptor
+                turn.callback(_unlock, path, descriptor)
+                return True
             os.close(descriptor)
-        except FileNotFoundError:  # the other has just removed the folder
-            pass
-        except OSError:
-            return None
-        if time.monotonic() >= end:
-            raise Refusal("another `sistap install` or `uninstall` is under way: try again when it has ended", FAILED)
-        time.sleep(_AGAIN_S)
+            return False
+    except (FileNotFoundError, FileExistsError):  # the other has just removed the folder, or a file is in its place
+        return os.path.lexists(path.parent) and not path.parent.is_dir()
+    except OSError as error:
+        if error.errno not in _NO_LIST:
+            raise
+        return True
 
 
 def _opened(path: Path) -> int:
@@ -66,8 +72,9 @@ def _is(path: Path, descriptor: int) -> bool:
 
 def _unlock(path: Path, descriptor: int) -> None:
     """Remove the file, and the folder if nothing is in it."""
-    if state.WINDOWS:  # which removes no open file
-        os.close(descriptor)
-    state.forget(path.name)
-    if not state.WINDOWS:
-        os.close(descriptor)
+    with held():
+        if state.WINDOWS:  # which removes no open file
+            os.close(descriptor)
+        state.forget(path.name)
+        if not state.WINDOWS:
+            os.close(descriptor)

@@ -43,8 +43,9 @@ def run(args: argparse.Namespace) -> int:
     """Remove; print a line for each file; return the exit code."""
     console = Console()
     try:
+        named = _named()
         with alone(for_all=is_root()) as ledger:
-            removed = _uninstall(ledger, console)
+            removed = _uninstall(ledger, named, console)
     except TsharkError as error:
         console.say(f"nothing is removed, as only tshark knows which folders are Wireshark's: {error}")
         return FAILED
@@ -54,13 +55,21 @@ def run(args: argparse.Namespace) -> int:
     return DONE if removed else FAILED
 
 
-def _uninstall(ledger: Ledger, console: Console) -> bool:
+def _named() -> str | TsharkError:
+    """Ask tshark for the folders, which can take long: nobody waits for his turn meanwhile."""
+    try:
+        return command.named_folders()
+    except TsharkError as error:
+        return error  # which matters only if there is something to remove
+
+
+def _uninstall(ledger: Ledger, named: str | TsharkError, console: Console) -> bool:
     """Remove all; return whether that was possible. TsharkError, RuntimeError, OSError."""
-    profiles = None if is_root() else _adopt_profile(ledger)
+    profiles = None if is_root() else _adopt_profile(ledger, named)
     if not ledger.files:
         whose = "all users" if is_root() else "this user"
         print(f"nothing to remove: nothing was installed for {whose}")
-    removed = ledger.is_empty or _remove(ledger, command.own_folders(), console)
+    removed = ledger.is_empty or _remove(ledger, command.own_folders(_known(named), for_all=is_root()), console)
     if profiles:
         personal.forget(profiles.parent)
         for line in personal.left(profiles / profile.NAME, ledger):
@@ -73,14 +82,20 @@ def _uninstall(ledger: Ledger, console: Console) -> bool:
     return removed
 
 
-def _adopt_profile(ledger: Ledger) -> Path | None:
+def _adopt_profile(ledger: Ledger, named: str | TsharkError) -> Path | None:
     """Put the user's copy of the profile on the list; return the folder of profiles, if Wireshark is there."""
     try:
-        profiles = command.profiles()
+        profiles = folders.parse(_known(named), for_all=False).profiles
     except TsharkError:
-        return None  # without it there is nothing to remove, or `_remove` says so
+        return None
     personal.adopt(ledger, profiles / profile.NAME)
     return profiles
+
+
+def _known(named: str | TsharkError) -> str:
+    if isinstance(named, TsharkError):
+        raise named
+    return named
 
 
 def _remove(ledger: Ledger, own: folders.Own, console: Console) -> bool:

@@ -65,8 +65,11 @@ def run(args: argparse.Namespace) -> int:
 
 def _put(args: argparse.Namespace, console: Console) -> None:
     with needing("pyarrow"):  # imported late, as other commands do without it
-        from sistap.commands.tables.convert import put
-        from sistap.commands.tables.store import Store, slug
+        import pyarrow.dataset
+        import pyarrow.parquet  # noqa: F401 - what fails in sistap's own modules is not the fault of pyarrow
+
+    from sistap.commands.tables.convert import put
+    from sistap.commands.tables.store import Store, slug
 
     store, tap = Store(args.output), slug(args.tap) if args.tap else ""
     with Tshark() as tshark:
