@@ -104,9 +104,9 @@ class _Cutting:
         # What a portion needs to know of those before it is worked out only where there are some, and where no file
         # says it by itself. Then no file is cut. How large a compressed one is, nobody knows before.
         sizes = self._sizes.values()
-        is_one = sum(sizes) <= most and all(capture.suffix != ".gz" for capture in captures)
+        self._is_one = sum(sizes) <= most and all(capture.suffix != ".gz" for capture in captures)
         is_told = max(sizes) <= most and all(map(_is_told, captures[1:]))
-        self._facts = None if is_one or is_told else _Facts()
+        self._facts = None if self._is_one or is_told else _Facts()
         self._source: Iterator[CapturedPacket] = chain.from_iterable(
             joining.packets(capture, say) for capture in captures
         )
@@ -147,8 +147,9 @@ class _Cutting:
             if self._is_full(size, packet):
                 self._ahead.appendleft(packet)
                 return
-            size += len(packet.body)
-            self._remember(packet)
+            if not self._is_one:
+                size += len(packet.body)
+                self._remember(packet)
             yield packet
 
     def _next(self) -> CapturedPacket | None:
