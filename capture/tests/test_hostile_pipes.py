@@ -45,7 +45,7 @@ def test_no_pipes_of_a_toolbar(tmp_path: Path, hostile: Callable[[Path], None]) 
         wireshark.close()
 
 
-@pytest.mark.attack("a file in the place of the toolbar's pipe", "nothing is written to it; the capture goes on")
+@pytest.mark.attack("something else in the place of the toolbar's pipes", "not waited for; the capture goes on")
 def test_a_file_is_no_pipe_of_a_toolbar(tmp_path: Path) -> None:
     (tmp_path / "out").write_text("precious")
     wireshark = Wireshark(tmp_path, "sistap-demo")
