@@ -44,6 +44,6 @@ def test_the_filter_of_a_silence_finds_all_of_it() -> None:
 
 def test_what_is_joined_counts_all_of_both() -> None:
     first, second = (Episode.of(hit(second)) for second in (0, 100))
-    first.count, second.count = 4, 5
+    first.count, second.count, second.outcome = 4, 5, "not heard again"
     first.join(second)
-    assert first.count == 9
+    assert (first.count, first.outcome) == (9, "not heard again")

@@ -9,6 +9,8 @@ import pytest
 from machines import BEGIN_S, FAULT, PLC, SPEED, Machine, Told, access, diagnosis, judged, telegram, undescribed
 from test_kinds import LIMIT, TORQUE, Play, about, event, firmware, pause, reaction, reads, run, then, told, writes
 
+from sistap.dissected.episodes.episode import Episode, Hit
+from sistap.dissected.episodes.lines import lines
 from sistap.dissected.packets.dissection import EXCEEDED
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event
@@ -74,6 +76,21 @@ def test_a_fault_of_another_protocol_has_no_station(name: str, kind: str) -> Non
     assert details(do("put", faults=faults), kind) == [": "]
 
 
+def test_a_boot_lasts_until_its_stations_are_ready() -> None:
+    machine = Machine()
+    machine.boot(stuck=5)
+    machine.pause(1)
+    machine.answer(5, service=0x12, phase="4")
+    (boot,) = machine.told().of("boot")
+    assert boot.to_s == pytest.approx(machine.now_s, abs=0.02)
+
+
+def test_a_bus_with_a_good_telegram_now_and_then_is_unreadable_once() -> None:
+    """It is readable again after five in a row."""
+    bad = then(*[then(do("noise", 10, every_s=0.2), reaction())] * 4)
+    assert details(then(run(60), bad, reaction(3)), "unreadable") == [": 40 records are no telegrams"]
+
+
 # -- Values and their commands ---------------------------------------------------------------------------------------
 
 
@@ -118,6 +135,12 @@ def test_a_value_that_drifts_in_steps_has_a_drift_and_no_steps() -> None:
     assert "drift" in found.kinds and "step" not in found.kinds
     stairs[60:72] = [one + 15 for one in stairs[60:72]]
     assert len(details(told(TORQUE, stairs, every_s=30, unit="%"), "step")) == 1
+
+
+@pytest.mark.parametrize(("scatter", "count"), [(0.3, 1), (4.0, 0)])
+def test_what_moved_less_than_its_noise_has_not_drifted(scatter: float, count: int) -> None:
+    moving = [50 + 16 * number / 120 + one for number, one in enumerate(about(0, 120, by=scatter))]
+    assert len(details(told(TORQUE, moving, every_s=30, unit="%"), "drift")) == count
 
 
 def test_a_drive_stands_by_the_scale_of_its_speed() -> None:
@@ -215,6 +238,13 @@ def test_the_worst_of_two_is_told_with_its_time() -> None:
     )
     said = "2 reactions later than TrS (worst 90 ms at 06:01:00, station 5, 06:00:00 to 06:01:00)"
     assert said in of(then(first, pause(60), second)).text
+
+
+def test_what_is_counted_ends_with_the_last_end() -> None:
+    ends_s = {3: 100, 4: 60}
+    hits = [Hit("late", one, BEGIN_S + one, BEGIN_S + end_s, one, worst=0.06) for one, end_s in ends_s.items()]
+    said = "\n".join(line.text for line in lines([*map(Episode.of, hits)], BEGIN_S, BEGIN_S + 200))
+    assert "06:00:03 to 06:01:40" in said
 
 
 def test_of_several_stations_each_has_its_worst() -> None:

@@ -103,6 +103,15 @@ def test_a_silent_station_is_told_from_the_first_command_on(bus: Bus) -> None:
     assert len(bus.told) == 5
 
 
+def test_of_two_masters_each_knows_whom_it_asked(bus: Bus) -> None:
+    bus.ask(3, master=16)
+    bus.ask(4, master=17)
+    bus.packet(telegram(17, 4, {}, is_reaction=True))
+    bus.now_s += 1
+    bus.ask(3, master=16, after_unanswered=True)
+    assert [hit.station for hit in bus.told if hit.kind == "unanswered"] == [3]
+
+
 def test_an_event_of_the_tap_is_no_reaction(bus: Bus) -> None:
     """A marker, say."""
     bus.ask()
