@@ -137,6 +137,19 @@ def test_a_value_that_drifts_in_steps_has_a_drift_and_no_steps() -> None:
     assert len(details(told(TORQUE, stairs, every_s=30, unit="%"), "step")) == 1
 
 
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_what_falls_drifts_as_what_rises(sign: int) -> None:
+    moving = [50 + sign * 16 * number / 120 + one for number, one in enumerate(about(0, 120, by=0.3))]
+    assert len(details(told(TORQUE, moving, every_s=30, unit="%"), "drift")) == 1
+
+
+@pytest.mark.parametrize(("ident", "count"), [("P-0-0123", 1), ("S-0-0036", 0)])
+def test_only_its_own_command_that_perhaps_nobody_took_is_lost(ident: str, count: int) -> None:
+    lost = do("silent", 3, columns={"sis.parameter": ident, "sis.service": "0x1f"})
+    speeds = told(SPEED, [1000.0] * 60), lost, told(SPEED, [500.0] * 30)
+    assert len(details(then(do("write", 3, "S-0-0036", 1000.0), *speeds), "apart")) == count
+
+
 @pytest.mark.parametrize(("scatter", "count"), [(0.3, 1), (4.0, 0)])
 def test_what_moved_less_than_its_noise_has_not_drifted(scatter: float, count: int) -> None:
     moving = [50 + 16 * number / 120 + one for number, one in enumerate(about(0, 120, by=scatter))]
@@ -230,6 +243,21 @@ def test_a_slow_drive_is_told_after_half_an_hour() -> None:
         return then(*(then(reaction(20, reaction=judged(time_s, 0.05, 0)), pause(59.4)) for time_s in times_s))
 
     assert (len(details(slower(14), "slower")), len(details(slower(17), "slower"))) == (0, 1)
+
+
+@pytest.mark.parametrize(("scatter_s", "count"), [(0.0002, 1), (0.006, 0)])
+def test_reaction_times_that_scatter_more_than_they_rise_are_not_slower(scatter_s: float, count: int) -> None:
+    noise = about(0, 90, by=scatter_s)
+    times_s = [0.020 + 0.025 * minute / 89 + one for minute, one in enumerate(noise)]
+    rises = then(*(then(reaction(20, reaction=judged(time_s, 0.1, 0)), pause(59.4)) for time_s in times_s))
+    assert len(details(rises, "slower")) == count
+
+
+def test_a_repeat_of_long_ago_is_none_of_a_command_without_a_reaction() -> None:
+    """Its reaction was damaged, so the master asked again."""
+    again = then(do("damage", 3), do("ask", 3, is_repeat=True), do("answer", 3))
+    found = of(then(run(30), again, run(60), do("silent", 3), do("exchange", station=3)))
+    assert "unanswered" in found.kinds and "repeated" not in found.kinds
 
 
 def test_the_worst_of_two_is_told_with_its_time() -> None:
