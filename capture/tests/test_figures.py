@@ -288,6 +288,9 @@ def test_silences_are_those_above_200_ms_and_of_the_longest_the_first_counts() -
     made = report(*reversed(records))
     assert said(tables.summary(made))["Silences above 200 ms"] == "4"
     assert (made.figures.silences.longest_s, made.figures.silences.before) == (0.5, 21)
+    alike: Any = object()  # as packets have it that say the same
+    polls = [at(n, telegram(PLC, 3, silence=Judged(0.3, None, None)), alike=alike) for n in range(3)]
+    assert said(tables.summary(report(*polls)))["Silences above 200 ms"] == "3"
 
 
 def test_events_of_the_tap_are_the_first_twenty() -> None:

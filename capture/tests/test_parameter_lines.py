@@ -55,6 +55,13 @@ def test_after_a_write_of_a_part_the_value_is_not_known() -> None:
     assert [change is not None for change in changes] == [False, False, True, True]
 
 
+def test_the_greatest_of_several_and_the_unit_told_last() -> None:
+    (one,) = listed(
+        *(access(3, SPEED, number, unit=unit) for number, unit in ((1.0, "rpm"), (9.0, "rpm"), (5.0, "1/s")))
+    )
+    assert one.greatest and (one.greatest.number, one.unit) == (9, "1/s")
+
+
 def test_zero_is_a_least_value() -> None:
     (one,) = listed(access(3, SPEED, 0.0), access(3, SPEED, 0.5))
     assert one.least and one.least.number == 0

@@ -42,6 +42,13 @@ def test_of_many_times_the_later_ones_count_too() -> None:
     assert (distribution.within_s(0.25), distribution.within_s(0.5)) == (0.001, 0.005)
 
 
+def test_of_several_parts_together_all_count() -> None:
+    few, many = Distribution(), Distribution()
+    few.add([0.005] * 10)
+    many.add([0.001] * 2 * Distribution.FEW)
+    assert Distribution.union([few, many]).within_s(0.5) == 0.001
+
+
 def test_of_many_times_the_zeros_count_too() -> None:
     """Of one read, all but one interval are 0."""
     distribution = Distribution()
