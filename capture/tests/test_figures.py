@@ -76,6 +76,11 @@ def test_the_smallest_safe_tza_is_the_longest_interval_with_its_uncertainty() ->
     ]  # of equal ones the first; 1.8 ms less a character are 0.654 ms
 
 
+def test_each_interval_is_a_share_of_the_limit_that_held() -> None:
+    """TzA was lowered in between: 3 ms of 4, then 0.7 of 2."""
+    assert row(pauses(paused(2.7, 4.0), paused(0.7, 2.0)), "Share of TzA") == "75%"
+
+
 def test_of_equal_ones_the_first_counts_also_where_packets_are_counted_together() -> None:
     alike, times = object(), ((0.0001, 1.2, 5), (0.0002, 1.5, 7), (0.0003, 1.5, 9))  # all in one slice of the curves
     packets = [at(second, paused(time_ms, place=place), number=place) for second, time_ms, place in times]
@@ -278,6 +283,9 @@ def test_ports_have_their_names() -> None:
 
 def test_intervals_in_one_read() -> None:
     records = [at(n, paused(1.2), intervals_s=[1 * MS] * 3, same_read=n) for n in range(3)]
+    alike: Any = object()
+    both = [at(n, paused(1.2), intervals_s=[1 * MS] * 3, same_read=2, alike=alike) for n in range(2)]
+    assert said(tables.summary(report(*both)))["In the same read"].startswith("4 of 6 intervals")
     same = said(tables.summary(report(*records)))["In the same read"]
     assert same == "3 of 9 intervals in telegrams: their length is not known"
 
