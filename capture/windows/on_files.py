@@ -70,7 +70,7 @@ def ring(wine: Wine) -> str:
 
 
 def _characters(file: Path) -> bytes:
-    return b"".join(record.data for record in records(file) if record.type != Type.EVENT)
+    return b"".join(record.data for record in records(file) if record.type in (Type.FRAME, Type.OTHER))
 
 
 def annotate(wine: Wine) -> str:
