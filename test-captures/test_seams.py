@@ -1,26 +1,29 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A capture that is read in portions shows what the whole shows, wherever it is cut."""
+"""A capture shows the same when it is read in portions, wherever it is cut, and beside another tap."""
 
 from __future__ import annotations
 
+import subprocess
 from collections.abc import Iterator
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from pathlib import Path
 
 import pytest
 
-from make import HERE
+from make import HERE, Scenario
+from merging import groups
 from rings import FIELDS
 from sistap.dissected.captures import joining, portions, reading
 from sistap.dissected.captures.portions import in_turn
 from sistap.dissected.wireshark.tshark import Tshark
+from sistap.tap.terminal.exits import NotCaptured
 
 # Commands, reactions, refusals, repeats, damage, long data, names and units, limits and rates, routes, two directions.
 CAPTURES = (
     *("course/02-status-and-errors", "course/03-parameters", "course/04-bad-line", "course/05-new-times-and-rate"),
     *("course/09-long-data", "lists-anew", "routes", "repeats", "duplex"),
 )
-SHOWN = (*FIELDS, "sis.command.unanswered", "sis.sequence.ended", "sis.silence_before")
+SHOWN = (*FIELDS, "sis.command.unanswered", "sis.sequence.ended", "sis.silence_before", "_ws.expert.message")
 AROUND = 12  # packets on either side of a seam that are in both portions: long data of these have no more pieces
 
 
@@ -59,3 +62,27 @@ def test_a_seam_changes_nothing(name: str, tshark: Tshark, tmp_path: Path, monke
     assert len(found) == len(whole) * len(mosts)
     for number, row in enumerate(found):
         assert row == whole[number % len(whole)], f"packet {number % len(whole) + 1} of cut {number // len(whole) + 1}"
+
+
+def is_in_order(capture: Path) -> bool:
+    """Tell whether it is of one line, and each packet is later than the one before."""
+    try:
+        records = [*reading.records(capture)]
+    except NotCaptured:  # a record of a later version
+        return False
+    return {one.line for one in records} == {0} and all(one.time_ns < after.time_ns for one, after in pairwise(records))
+
+
+def test_a_tap_shows_the_same_beside_another_one(tshark: Tshark, tmp_path: Path) -> None:
+    """Both hear the same at the same times, so every packet is between two of the other tap."""
+    alone, both, two = (tmp_path / name for name in ("alone.pcapng", "both.pcapng", "two.pcapng"))
+    with alone.open("wb") as one_by_one, both.open("wb") as beside:
+        for capture in (text.with_suffix(".pcapng") for text in groups()[0].paths):
+            if Scenario(capture.with_suffix(".txt")).link == "sertap" and is_in_order(capture):
+                subprocess.run(["mergecap", "-I", "none", "-w", two, capture, capture], check=True)
+                one_by_one.write(capture.read_bytes())
+                beside.write(two.read_bytes())
+    expected, found = [*shown(tshark, alone)], [*shown(tshark, both)]
+    assert len(expected) > 1000
+    assert found[::2] == expected
+    assert found[1::2] == expected
