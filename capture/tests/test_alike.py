@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is said of a machine does not depend on other buses, on other stations, or on the numbers of all of them.
+"""What is said of a machine does not depend on other buses, other stations, the numbers of all of them, or files.
 
 What the tests of kinds and words let happen, happens here once more: beside something else, or under other numbers.
 """
@@ -17,13 +17,15 @@ from operator import attrgetter
 import pytest
 import test_kinds
 import test_verdicts
-from machines import BEGIN_S, PLC, Machine
+from machines import BEGIN_S, PLC, Machine, packet
 from test_kinds import Play
 
 from sistap.dissected.accesses.access import Access
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode
 from sistap.dissected.packets.dissection import Packet
+from sistap.dissected.wireshark.rows import EVENT
+from sistap.tap.records.record import Event
 
 Heard = Iterable[Packet]
 Said = tuple[str, str, str, float, int]
@@ -180,3 +182,16 @@ def test_two_stations_of_which_the_same_is_true(play: Play) -> None:
         expected, here = of_each(alone(play), STATIONS), of_each(found, stations)
         assert [one[:3] for one in here] == [one[:3] for one in expected]
         assert [one[3] for one in here] == pytest.approx([one[3] for one in expected], abs=0.03)
+
+
+@pytest.mark.parametrize("play", PLAYS)
+def test_files_of_a_ring_are_one_capture(play: Play) -> None:
+    """Each begins with the event that began the first one; here after every third packet, or in seven places."""
+
+    def begins(first: Packet) -> Packet:
+        return packet(first.epoch_s, type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True)
+
+    heard = packets(play)
+    length = max(3, len(heard) // 7)
+    files = (heard[place : place + length] for place in range(0, len(heard), length))
+    assert said(episodes(chain.from_iterable((begins(one[0]), *one) for one in files))) == said(alone(play))

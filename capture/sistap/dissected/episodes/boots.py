@@ -50,7 +50,8 @@ class Boots:
         if boot and packet.epoch_s - boot.last_s > _APART_S:
             hits += self.finish(packet.interface)
         if packet.type == EVENT:
-            return [*hits, *self.finish(packet.interface)] if packet.event == Event.CAPTURE_STARTED else hits
+            is_seam = packet.event == Event.CAPTURE_STARTED and not packet.is_again
+            return [*hits, *self.finish(packet.interface)] if is_seam else hits
         for telegram in packet.telegrams:
             if telegram.good and (telegram.service in STEPS or telegram.phase):
                 self._step(packet, telegram)
