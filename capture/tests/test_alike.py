@@ -186,12 +186,13 @@ def test_two_stations_of_which_the_same_is_true(play: Play) -> None:
 
 @pytest.mark.parametrize("play", PLAYS)
 def test_files_of_a_ring_are_one_capture(play: Play) -> None:
-    """Each begins with the event that began the first one; here after every third packet, or in seven places."""
+    """Each begins with the event that began the first one, and somebody marks it; here in seven places at most."""
 
-    def begins(first: Packet) -> Packet:
-        return packet(first.epoch_s, type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True)
+    def begins(first: Packet) -> Sequence[Packet]:
+        again = packet(first.epoch_s, type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True)
+        return again, packet(first.epoch_s, type=EVENT, event=int(Event.MARKER), text="a lorry passes")
 
     heard = packets(play)
     length = max(3, len(heard) // 7)
     files = (heard[place : place + length] for place in range(0, len(heard), length))
-    assert said(episodes(chain.from_iterable((begins(one[0]), *one) for one in files))) == said(alone(play))
+    assert said(episodes(chain.from_iterable((*begins(one[0]), *one) for one in files))) == said(alone(play))
