@@ -163,6 +163,43 @@ def test_a_drive_stands_by_the_scale_of_its_speed() -> None:
     assert found.of("stopped") == []
 
 
+@pytest.mark.parametrize(
+    ("usual", "other", "count"),
+    [
+        ("0b0000000000000001", "0b0000000000000101", 1),
+        ("0x0010", "0x0011", 1),
+        ("0, 0, 1", "0, 0, 2", 1),
+        ("100 rpm", "104 rpm", 0),  # less than 5 %
+        ("100 rpm", "106 rpm", 1),
+        ("-100 rpm", "-104 rpm", 0),
+        ("-100 rpm", "-93.5 rpm", 1),
+        ("1e-05 A", "1.04e-05 A", 0),
+    ],
+)
+def test_bits_and_lists_are_alike_only_if_they_are_the_same(usual: str, other: str, count: int) -> None:
+    said = reads(*[access(5, "P-0-0222", text) for text in [usual] * 20 + [other] * 5 + [usual] * 5], every_s=10)
+    assert details(said, "changed") == [f"station 5 P-0-0222: {usual} -> {other}"] * count
+
+
+@pytest.mark.parametrize(("command", "rpm", "count"), [(1000.0, 5.0, 0), (-1000.0, 5.0, 0), (1000.0, 20.0, 1)])
+def test_a_drive_that_holds_its_place_while_others_run_moves_a_little(command: float, rpm: float, count: int) -> None:
+    """By less than a hundredth of its greatest command."""
+    machine = Machine()
+    for said, turns in ((command, command), (0.0, rpm)):
+        machine.write(3, "S-0-0036", said)
+        machine.turns[3] = turns
+        machine.run(150)
+    assert [one.detail for one in machine.told().of("apart")] == ["above S-0-0036"] * count
+
+
+def test_what_nobody_describes_is_not_apart_from_a_command_of_another_file() -> None:
+    def bytes_of(ident: str, *numbers: int) -> Play:
+        return reads(*(undescribed(3, ident, number.to_bytes(4, "little")) for number in numbers), every_s=1)
+
+    moves = then(bytes_of("S-0-0036", 1000), bytes_of(SPEED, *[1000] * 60), NEXT_FILE, bytes_of(SPEED, *[500] * 30))
+    assert details(moves, "apart") == []
+
+
 # -- Masters and writes ----------------------------------------------------------------------------------------------
 
 

@@ -36,7 +36,8 @@ _WRAPPED = 0.7  # of its range: a counter that falls so far begins anew
 _FALLS = 0.01  # of its rises: fewer are such wraps, or somebody has reset it
 _TEMPERATURE = re.compile(r"(°|deg ?)[CF]|K")
 _NUMBER = re.compile(r"[-+]?\d+(\.\d*)?(e[-+]?\d+)?")
-_NEAR, _KNOWN = 0.1, 50  # of the command; readings until it is known to follow
+_NEAR, _REST = 0.1, 0.01  # of the command; of the greatest one: so much moves what rests
+_KNOWN = 50  # readings until it is known to follow
 _APART_S, _APART = 20.0, 8  # seconds and readings: shorter is a ramp
 _FOLLOWS_USUALLY = 0.9  # of the readings near the command
 _CHATTERS, _CHATTER_S = 6, 300.0  # changes within a time, of a state that otherwise rests
@@ -57,6 +58,7 @@ class _Beside:
     """A value beside the command that it follows."""
 
     command: int | None = None  # bytes as a number: both have the same scale (S-0-0044 to S-0-0046)
+    greatest: int = 0  # command until now
     near: int = 0
     far: int = 0  # until now, without those in a row
     row: int = 0
@@ -92,13 +94,18 @@ class _Followed:
     @property
     def is_known_state(self) -> bool:
         """Tell whether they were read again and again. Three numbers that differ say nothing."""
-        return self.is_state and (self.last is None or self.reads >= _READ_AGAIN * len(self.values))
+        return self.last is None or self.reads >= _READ_AGAIN * len(self.values)
 
     @property
     def is_counter(self) -> bool:
         """Tell whether it only rises. A machine that warms up is no counter."""
         is_rising = self.rises >= _RISES and self.falls <= _FALLS * self.rises
         return is_rising and not _TEMPERATURE.search(self.unit)
+
+    def lose_command(self) -> None:
+        """Forget what is commanded: values are compared again from the next command on."""
+        self.is_command_lost |= self.command is not None
+        self.beside.command = None
 
 
 class Values:
@@ -168,7 +175,7 @@ class Values:
         if access.parameter.ident in FOLLOWS and is_running is not False:
             followed = self._followed.get(access.parameter)
             raw = raw_number(access)
-            if followed and raw is not None and followed.beside.command is not None and not followed.is_command_lost:
+            if followed and raw is not None and followed.beside.command is not None:
                 hits += _apart(followed.beside, packet, access.parameter, raw, followed.beside.command)
         return hits
 
@@ -193,6 +200,7 @@ class Values:
         raw = raw_number(access)
         if raw != followed.beside.command:
             followed.beside.command, followed.beside.row, followed.beside.since_s = raw, 0, None
+            followed.beside.greatest = max(followed.beside.greatest, abs(raw or 0))
         followed.is_command_lost = False
         if said.number is None or said.unit == RAW:
             return
@@ -205,13 +213,13 @@ class Values:
     def _lose_commands(self) -> None:
         """Forget commands: nobody has heard the last ones."""
         for followed in self._followed.values():
-            followed.is_command_lost |= followed.command is not None
+            followed.lose_command()
 
     def _lose_command(self, port: str, telegram: Telegram) -> None:
         for parameter, followed in self._followed.items():
             is_here = (parameter.port, station_of(parameter)) == (port, telegram.listener)
             if is_here and FOLLOWS.get(parameter.ident) == telegram.columns.get("sis.parameter"):
-                followed.is_command_lost = followed.command is not None
+                followed.lose_command()
 
     def _state(self, followed: _Followed, packet: Packet, value: str) -> bool:
         """Take a state; tell whether it begins."""
@@ -294,7 +302,7 @@ def _beyond(packet: Packet, access: Access, number: float) -> Iterator[Hit]:
 def _apart(beside: _Beside, packet: Packet, parameter: Parameter, raw: int, command: int) -> Iterator[Hit]:
     """Yield that a value is far from its command for a while, if it usually follows it."""
     apart = raw - command
-    if abs(apart) <= _NEAR * abs(command):
+    if abs(apart) <= max(_NEAR * abs(command), _REST * beside.greatest):
         beside.near += 1
         beside.far += beside.row
         beside.row, beside.since_s = 0, None
@@ -340,9 +348,9 @@ def _changes(parameter: Parameter, followed: _Followed, thresholds: Thresholds) 
 
 
 def _is_like(value: str, usual: str, least: float) -> bool:
-    """Tell whether two states are the same, or numbers that differ by no more than a part."""
+    """Tell whether two states are the same, or numbers that differ by no more than a part. Bits and lists are none."""
     one, other = _NUMBER.match(value), _NUMBER.match(usual)
-    if value == usual or not one or not other or value.startswith("0x"):
+    if not one or not other or value[one.end() :] != usual[other.end() :]:
         return value == usual
     return abs(float(one[0]) - float(other[0])) <= least * abs(float(other[0]))
 
