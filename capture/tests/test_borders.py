@@ -143,11 +143,53 @@ def test_what_falls_drifts_as_what_rises(sign: int) -> None:
     assert len(details(told(TORQUE, moving, every_s=30, unit="%"), "drift")) == 1
 
 
-@pytest.mark.parametrize(("ident", "count"), [("P-0-0123", 1), ("S-0-0036", 0)])
-def test_only_its_own_command_that_perhaps_nobody_took_is_lost(ident: str, count: int) -> None:
-    lost = do("silent", 3, columns={"sis.parameter": ident, "sis.service": "0x1f"})
-    speeds = told(SPEED, [1000.0] * 60), lost, told(SPEED, [500.0] * 30)
-    assert len(details(then(do("write", 3, "S-0-0036", 1000.0), *speeds), "apart")) == count
+@pytest.mark.parametrize(
+    ("station", "ident", "service", "more", "count"),
+    [
+        (3, "S-0-0036", "0x1f", {}, 0),
+        (4, "S-0-0036", "0x1f", {}, 1),
+        (3, "P-0-0123", "0x1f", {}, 1),
+        (3, "S-0-0036", "0x10", {}, 1),  # a read
+        (3, "S-0-0036", "0x1f", {"unanswered": False}, 1),  # it was refused
+        (3, "S-0-0036", "0x1f", {"good": False}, 1),  # it was damaged
+    ],
+)
+def test_only_its_own_command_that_perhaps_nobody_took_is_lost(
+    station: int, ident: str, service: str, more: dict[str, bool], count: int
+) -> None:
+    columns = {"sis.parameter": ident, "sis.service": service}
+    lost = do("put", telegram(PLC, station, columns=columns, **{"unanswered": True} | more))
+    assert len(details(then(follows((1000, 60)), lost, told(SPEED, [500.0] * 30)), "apart")) == count
+
+
+def follows(*parts: tuple[float, int], every_s: float = 2.0) -> Play:
+    """Let a speed be so fast for so many reads, after a command of 1000."""
+    speeds = (told(SPEED, [rpm] * count, every_s=every_s) for rpm, count in parts)
+    return then(do("write", 3, "S-0-0036", 1000.0), *speeds)
+
+
+@pytest.mark.parametrize(
+    ("play", "count"),
+    [
+        (follows((1000, 55), (500, 30)), 1),
+        (follows((1000, 45), (500, 30)), 0),  # nobody knows yet that it follows
+        (follows(*[(1000, 10), (500, 1)] * 10, (500, 30)), 1),
+        (follows(*[(1000, 8), (500, 1)] * 13, (500, 30)), 0),  # near its command less often than nine times of ten
+        (follows((1000, 60), (500, 8), every_s=10), 1),
+        (follows((1000, 60), (500, 7), every_s=10), 0),  # too few reads
+        (then(follows((1000, 60)), *[follows((500, 1))] * 15), 1),  # commanded again and again
+        (then(told(SPEED, [1000] * 60), do("write", 4, "S-0-0036", 1000.0), told(SPEED, [500] * 30)), 0),  # another one
+        (then(told(SPEED, [1000] * 60), do("write", 3, "S-0-0080", 1000.0), told(SPEED, [500] * 30)), 0),
+        (then(do("exchange", access(3, "S-0-0036", 1000.0)), told(SPEED, [1000] * 60 + [500] * 30)), 1),  # it is read
+    ],
+)
+def test_a_value_is_apart_from_a_command_that_it_followed_until_then(play: Play, count: int) -> None:
+    assert details(play, "apart") == ["station 3 S-0-0040: 50 % below S-0-0036"] * count
+
+
+def test_a_drive_that_still_speeds_up_to_each_next_command_is_not_apart() -> None:
+    faster = (then(do("write", 3, "S-0-0036", rpm), told(SPEED, [rpm - 500] * 8)) for rpm in (2000.0, 3000.0, 4000.0))
+    assert details(then(follows((1000, 60)), *faster), "apart") == []
 
 
 @pytest.mark.parametrize(("scatter", "count"), [(0.3, 1), (4.0, 0)])

@@ -13,8 +13,10 @@ from machines import (
     PANEL,
     PLC,
     RUNS,
+    SPEED,
     WARNING,
     Machine,
+    access,
     telegram,
     undescribed,
 )
@@ -322,6 +324,17 @@ def test_a_silence_of_two_directions_has_its_station() -> None:
     machine.run(60)
     (silent,) = machine.told().episodes
     assert (silent.kind, silent.stations) == ("silent", {4})
+
+
+def test_a_command_that_perhaps_nobody_took_is_lost_in_two_directions_too() -> None:
+    machine = Duplex()
+    machine.write(3, "S-0-0036", 1000.0, port="RX")
+    for rpm in [1000.0] * 60 + [500.0] * 30:
+        if rpm < 1000:
+            machine.silent(3, columns={"sis.parameter": "S-0-0036", "sis.service": "0x1f"})
+        machine.exchange(access(3, SPEED, rpm, port="RX"))
+        machine.pause(1)
+    assert machine.told().of("apart") == []
 
 
 def test_each_port_is_a_bus_of_its_own() -> None:

@@ -132,7 +132,7 @@ class Values:
             self._lose_commands()
         for telegram in packet.telegrams:
             if telegram.unanswered and telegram.good and passes(WRITE.tests, telegram.columns):
-                self._lose_command(packet.interface, telegram)
+                self._lose_command(telegram)
         return ()
 
     def take(self, packet: Packet, access: Access, said: ValueReading, *, is_running: bool | None) -> bool:
@@ -215,10 +215,10 @@ class Values:
         for followed in self._followed.values():
             followed.lose_command()
 
-    def _lose_command(self, port: str, telegram: Telegram) -> None:
+    def _lose_command(self, telegram: Telegram) -> None:
         for parameter, followed in self._followed.items():
-            is_here = (parameter.port, station_of(parameter)) == (port, telegram.listener)
-            if is_here and FOLLOWS.get(parameter.ident) == telegram.columns.get("sis.parameter"):
+            is_asked = station_of(parameter) == telegram.listener
+            if is_asked and FOLLOWS.get(parameter.ident) == telegram.columns.get("sis.parameter"):
                 followed.lose_command()
 
     def _state(self, followed: _Followed, packet: Packet, value: str) -> bool:
