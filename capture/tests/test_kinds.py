@@ -239,6 +239,16 @@ def staircase(count: int) -> Play:
     return told(TORQUE, [one for level in levels for one in level], unit="%")
 
 
+def rising(count: int, unit: str) -> Play:
+    """Let a number rise so often, each time after five minutes."""
+    return told("P-0-0300", [20.0 + number // 10 for number in range(10 * count + 10)], every_s=30, unit=unit)
+
+
+def besides(count: int) -> Play:
+    """Let a switch be beside its usual state so often, each time for one read; the last time, to the end."""
+    return reads(*[access(5, "P-0-0222", one) for one in (["1"] * 9 + ["0"]) * count], every_s=20)
+
+
 def rests(reads: int) -> Play:
     """Let the speeds be 0 for so many reads, 2 s apart; nothing else tells whether the machine runs."""
     runs = told(SPEED, about(1000, 30), 3, 4, 5)
@@ -372,6 +382,8 @@ CASES = (
     Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, LEVELS_OUT, every_s=30, unit="%")),
     Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, RISES, every_s=14, unit="%")),
     Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, SLIGHT, every_s=30, unit="%")),
+    Case("drift", NOTE, rising(14, "h"), rising(21, "h")),  # a counter
+    *(Case("drift", NOTE, rising(30, unit), rising(30, "l")) for unit in ("°C", "°F", "degC", "deg F", "K")),
     Case("step", NOTE, told(TORQUE, PART, unit="%"), told(TORQUE, SMALL, unit="%")),  # 40 %; less than 5 %
     Case("step", NOTE, *(then(*(then(told(TORQUE, one, unit="%"), run(gap)) for one in PARTS)) for gap in (50, 90))),
     Case("step", NOTE, staircase(6), staircase(7)),  # what has many levels, changes
@@ -381,6 +393,10 @@ CASES = (
         reads(*[access(5, "P-0-0222", "1")] * 20, access(5, "P-0-0222", "0"), every_s=10),
         reads(*[access(5, "P-0-0222", "1")] * 21, every_s=10),
     ),
+    Case("changed", NOTE, told("P-0-0222", [1] * 7 + [0]), told("P-0-0222", [1] * 6 + [0])),  # a few numbers
+    Case("changed", NOTE, reads(*(access(5, "P-0-0222", one) for one in "AB")), told("P-0-0222", [0, 1])),
+    Case("changed", NOTE, *(told("P-0-0222", [0] * 40 + [*range(1, count)], every_s=60) for count in (8, 9))),
+    Case("changed", NOTE, besides(12), besides(13)),  # that is usual
     Case(
         *("conflict", LOOK),
         writes("P-0-0123", (PLC, 12), (PANEL, 15), (PLC, 12), (PANEL, 15)),

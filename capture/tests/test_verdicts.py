@@ -18,6 +18,7 @@ from machines import (
     PANEL,
     PLC,
     SPEED,
+    STANDS,
     WARNING,
     Machine,
     access,
@@ -29,6 +30,7 @@ from machines import (
 from test_kinds import (
     IN_LIMITS,
     LIMIT,
+    PART,
     RISES,
     TORQUE,
     Play,
@@ -49,6 +51,7 @@ from test_kinds import (
     writes,
 )
 
+from sistap.dissected.accesses.access import Access
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.levels import Levels, goes_on
@@ -86,10 +89,34 @@ def refuse(service: int, status: int = 0xF0) -> Play:
     return reaction(service=service, is_refusal=True, status=status)
 
 
-def level(ident: str, middle: float, count: int, unit: str) -> Play:
+def level(ident: str, middle: float, count: int, unit: str, *stations: int) -> Play:
     """Let a number be near a middle, and every second time there."""
+    return told(ident, near(middle, count), *stations, unit=unit)
+
+
+def near(middle: float, count: int) -> Sequence[float]:
     beside = [step / 10 * sign for step in range(1, 6) for sign in (0, 1, 0, -1)]
-    return told(ident, [middle + beside[number % 20] for number in range(count)], unit=unit)
+    return [middle + beside[number % 20] for number in range(count)]
+
+
+def line(*ends: tuple[float, float]) -> Play:
+    """Let numbers of stations 3, 4 and so on go from one to another within two hours; each second time a little beside,
+    as a counter never does.
+    """
+
+    def play(machine: Machine) -> None:
+        for minute in range(0, 121, 2):
+            for station, (begin, end) in enumerate(ends, 3):
+                number = begin + (end - begin) * (minute / 120 + minute // 2 % 2 / 25)
+                machine.exchange(access(station, TORQUE, number, unit="%"))
+            machine.pause(120 - 0.03 * len(ends))
+
+    return play
+
+
+def standing(play: Play) -> Play:
+    """Let a machine stand from the beginning."""
+    return then(lambda machine: machine.all(STANDS, 0.0), run(60), play)
 
 
 def turns(rpm: float, count: int) -> Play:
@@ -237,6 +264,18 @@ CASES = (
     Case("beyond", told(SPEED, [-3002], **IN_LIMITS), f"station 3 {SPEED}", "-3002 rpm, its minimum is -3000 rpm"),
     Case("apart", behind(500, 30), f"station 3 {SPEED}", "50 % below S-0-0036", 60.06, 89.06),
     Case("apart", behind(1250, 30), f"station 3 {SPEED}", "25 % above S-0-0036"),
+    Case(
+        *("beyond", told(SPEED, [3001, 3500, 3100], **IN_LIMITS)),
+        *(f"station 3 {SPEED}", "3500 rpm, its maximum is 3000 rpm", 0.03, 4.09),
+    ),
+    Case(
+        "beyond",
+        told(SPEED, [-3001, -3500, -3100], **IN_LIMITS),
+        *("station 3 S-0-0040", "-3500 rpm, its minimum is -3000 rpm"),
+    ),
+    Case("drift", line((30, 50)), f"station 3 {TORQUE}", "+10 %/h, 30 -> 50 % (not by chance)", 0.03, 7200.03),
+    Case("drift", line((-30, -50)), f"station 3 {TORQUE}", "-10 %/h, -30 -> -50 % (not by chance)"),
+    Case("drift", line((30, 50), (30, 52)), f"stations 3, 4 {TORQUE}", "+11 %/h, 30 -> 52 % (not by chance)"),
     Case("chatter", flips(7), "station 5 P-0-0222", "7 changes between 0 and 1"),
     Case(
         "changed",
@@ -257,6 +296,29 @@ CASES = (
         "step",
         then(*(level(TORQUE, *part, "%") for part in ((50.25, 99), (70.25, 30), (50.25, 99)))),
         *(f"station 3 {TORQUE}", "70.25 %, usually 50.25", 201.0, 259.87),
+    ),
+    Case(
+        "step",
+        then(*(level("P-0-0123", *part, "") for part in ((1050, 99), (1730, 30), (1050, 99)))),
+        *("station 3 P-0-0123", "1730, usually 1050"),
+    ),
+    Case(
+        "step",
+        standing(then(*(level("P-0-0123", *part, "bar") for part in ((50, 99), (70, 30), (50, 99))))),
+        *("station 3 P-0-0123", "70 bar, usually 50"),
+    ),
+    Case(
+        *("step", then(command(-1000), turns(-1000, 99), turns(-900, 30), turns(-1000, 99))),
+        *(f"station 3 {SPEED}", "100 rpm above S-0-0036"),
+    ),
+    Case(
+        "blip",
+        then(
+            level(TORQUE, 50.25, 60, "%", 3, 4, 5),
+            *(do("exchange", access(station, TORQUE, by, unit="%")) for station, by in ((3, 80), (4, 90), (5, 85))),
+            level(TORQUE, 50.25, 60, "%", 3, 4, 5),
+        ),
+        *(f"stations 3, 4, 5 {TORQUE}", "90 %, usually 50.25", 125.43, 125.49),
     ),
     Case(
         "step",
@@ -327,6 +389,15 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
     ("error", refuse(0x10)),  # what is asked for is not known
     ("changed", reads(*[access(5, "P-0-0222", one) for one in [1000] * 20 + [1010] * 5 + [1000] * 5], every_s=10)),
+    *(("changed", reads(*[access(5, ident, one) for one in "AAAB"])) for ident in ("S-0-0390", "S-0-0095", "S-0-0135")),
+    (
+        "changed",
+        then(reads(*[access(5, "P-0-0222", 1)] * 20), writes("P-0-0222", (PLC, 0)), reads(access(5, "P-0-0222", 0))),
+    ),
+    ("step", then(do("write", 3, TORQUE, 50), told(TORQUE, PART, unit="%"))),  # somebody sets it
+    ("drift", then(do("write", 3, TORQUE, 50), line((30, 50)))),
+    ("beyond", do("write", 3, SPEED, 3001, **IN_LIMITS)),  # that tells nothing of what it is
+    ("beyond", told(SPEED, ["fast"], **IN_LIMITS)),
     ("unreadable", then(*[then(do("noise"), reaction())] * 25)),  # two of three are telegrams
 )
 
@@ -418,6 +489,22 @@ def test_many_stops_are_one_phrase() -> None:
     assert ". Machine stopped 4 times (" in machine.told().lines[0]
 
 
+def test_a_drive_whose_torque_rises_much_more_is_told_apart() -> None:
+    machine = Machine()
+    line((30, 50), (30, 55))(machine)
+    assert [one.who for one in machine.told().of("drift")] == [f"station {station} {TORQUE}" for station in (3, 4)]
+
+
+def test_what_drifted_in_a_good_capture_is_usual_there() -> None:
+    """Also if the tap was at another port."""
+    good = Machine(interface="a")
+    line((30, 50))(good)
+    good.finish()
+    machine = Machine(interface="b", before=good.engine)
+    line((30, 50), (30, 50))(machine)
+    assert [one.who for one in machine.told().of("drift")] == [f"station 4 {TORQUE}"]
+
+
 def test_states_of_long_ago_are_forgotten() -> None:
     for memory_s, count in ((1000, 2), (100, 1)):
         machine = Machine()
@@ -433,6 +520,32 @@ def test_what_begins_is_told_at_once() -> None:
         live.add(packet(BEGIN_S + n, telegram(5, PLC, is_reaction=True), accesses=[one])) for n, one in enumerate(said)
     ]
     assert [[hit.kind for hit in hits] for hits in found] == [[], ["fault"], [], ["fault"]]
+
+
+def at_once(*accesses: Access) -> list[tuple[int, str, float, str]]:
+    """Return what is told of values that come every 10 s: with which of them, what, since when, its outcome."""
+    live = LiveEpisodes(THRESHOLDS._replace(learning_s=0.0))
+    found = []
+    for number, one in enumerate(accesses):
+        hits = live.add(packet(BEGIN_S + 10 * number, telegram(5, PLC, is_reaction=True), accesses=[one]))
+        found += [(number, hit.detail, hit.from_s - BEGIN_S, hit.outcome) for hit in hits]
+    return found
+
+
+def test_a_state_is_told_at_once_each_time_it_begins() -> None:
+    states = at_once(*(access(5, "P-0-0222", state) for state in "1111111110011101"))
+    assert states == [(9, "1 -> 0", 90, ""), (14, "1 -> 0", 140, "")]
+    numbers = at_once(*(access(5, "P-0-0222", number) for number in [1] * 9 + [0, 0, 1]))
+    assert numbers == [(9, "1 rpm -> 0 rpm", 90, "")]
+
+
+def test_a_level_is_told_when_it_lasts_and_once() -> None:
+    """A drive may stand from its beginning: then it has levels, too."""
+    torque = [access(5, TORQUE, number, unit="%") for number in (*near(50, 30), *near(70, 9))]
+    assert at_once(*torque) == [(32, "70 %, usually 50", 300, "")]
+    stands = access(5, "S-0-0390", "0xA0012")
+    assert at_once(stands, *torque) == [(33, "70 %, usually 50", 310, "")]
+    assert at_once(*torque[:30], access(5, TORQUE, 70, unit="%", is_write=True), *torque[30:]) == []  # as it was set
 
 
 def test_a_visitor_is_told_at_once_but_not_his_tokens() -> None:

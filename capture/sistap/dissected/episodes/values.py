@@ -170,9 +170,8 @@ class Values:
         """Return what is surely wrong with a number: beyond the limits that the drive told, or far from its command."""
         if access.is_write:
             return ()
-        has_limits = said.number is not None and (access.minimum or access.maximum)
-        hits = list(_beyond(packet, access, said.number or 0.0)) if has_limits else []
-        if access.parameter.ident in FOLLOWS and is_running is not False:
+        hits = [] if said.number is None else [*_beyond(packet, access, said.number)]
+        if is_running is not False:
             followed = self._followed.get(access.parameter)
             raw = raw_number(access)
             if followed and raw is not None and followed.beside.command is not None:
@@ -408,9 +407,8 @@ def _number(value: float, digits: int = 4) -> str:
 
 
 def _beside(value: float, usual: float, unit: str) -> str:
-    """Write a value beside the usual one, with as many digits as tell them apart."""
-    digits = next((digits for digits in (4, 6, 9) if _number(value, digits) != _number(usual, digits)), 12)
-    return f"{_number(value, digits)} {unit}, usually {_number(usual, digits)}".replace(" ,", ",")
+    """Write a value beside the usual one."""
+    return f"{_number(value)} {unit}, usually {_number(usual)}".replace(" ,", ",")
 
 
 def _hit(kind: str, parameter: Parameter, packet: int, from_s: float, to_s: float) -> Hit:
