@@ -545,7 +545,6 @@ def test_a_level_is_told_when_it_lasts_and_once() -> None:
     assert at_once(*torque) == [(32, "70 %, usually 50", 300, "")]
     stands = access(5, "S-0-0390", "0xA0012")
     assert at_once(stands, *torque) == [(33, "70 %, usually 50", 310, "")]
-    assert at_once(*torque[:30], access(5, TORQUE, 70, unit="%", is_write=True), *torque[30:]) == []  # as it was set
 
 
 def test_a_visitor_is_told_at_once_but_not_his_tokens() -> None:
