@@ -192,7 +192,9 @@ KNOWN = access(5, LIMIT, 3000.0)
 BIT = access(5, "S-0-0403", "0b0000000000000001"), access(5, "S-0-0403", "0b0000000000000000")
 IN_LIMITS: dict[str, Any] = {"minimum": "-3000 rpm", "maximum": "3000 rpm"}
 RISES = [35 + 22 * number / 120 + one for number, one in enumerate(about(0, 120, by=0.3))]
-SLIGHT = [50 + 8 * number / 120 + one for number, one in enumerate(about(0, 120, by=0.3))]  # by 15 %
+SLIGHT, CLEAR = (  # by 17 and 22 %
+    [50 + by * number / 120 + one for number, one in enumerate(about(0, 120, by=0.3))] for by in (9.5, 12.5)
+)
 LEVELS_OUT = [57 - 22 * 0.9**number + one for number, one in enumerate(about(0, 120, by=0.3))]
 RECIPE = ("P-0-0123", "P-0-0145", "P-0-0083", "S-0-0258")
 PARTS = about(50, 100), about(70, 30, seed=2), about(50, 100, seed=3)
@@ -380,8 +382,8 @@ CASES = (
     Case("slower", LOOK, late(0.0075, 0.002), late(0.006, 0.002)),  # less than 5 ms
     Case("slower", LOOK, late(0.075, 0.040), late(0.056, 0.040)),  # less than by half
     Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, LEVELS_OUT, every_s=30, unit="%")),
-    Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, RISES, every_s=14, unit="%")),
-    Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, SLIGHT, every_s=30, unit="%")),
+    Case("drift", NOTE, told(TORQUE, RISES, every_s=17, unit="%"), told(TORQUE, RISES, every_s=14, unit="%")),
+    Case("drift", NOTE, told(TORQUE, CLEAR, every_s=30, unit="%"), told(TORQUE, SLIGHT, every_s=30, unit="%")),
     Case("drift", NOTE, rising(14, "h"), rising(21, "h")),  # a counter
     *(Case("drift", NOTE, rising(30, unit), rising(30, "l")) for unit in ("°C", "°F", "degC", "deg F", "K")),
     Case("step", NOTE, told(TORQUE, PART, unit="%"), told(TORQUE, SMALL, unit="%")),  # 40 %; less than 5 %

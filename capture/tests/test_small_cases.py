@@ -370,3 +370,5 @@ def test_what_nobody_describes_is_compared_and_counted() -> None:
     told = machine.told()
     assert "station 5 P-0-4095 3000 -> 500 raw" in told.lines[2]
     assert machine.engine.undescribed == 1 + 3  # and the speeds
+    machine.run(60, access(5, "P-0-4095", 3000), access(5, "P-0-4096", 1))
+    assert machine.engine.undescribed == 3

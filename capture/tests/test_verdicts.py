@@ -722,8 +722,8 @@ def test_a_drive_stands_as_its_speed_says() -> None:
 # -- Levels, lines, and their chance ---------------------------------------------------------------------------------
 
 
-def levels(*parts: tuple[float, int], every_s: float = 2.0, by: float = 1.0) -> Levels:
-    made, number = Levels(), 0
+def levels(*parts: tuple[float, int], every_s: float = 2.0, by: float = 1.0, **thresholds: float) -> Levels:
+    made, number = Levels(THRESHOLDS._replace(**thresholds)), 0
     for middle, count in parts:
         for _ in range(count):
             made.add(every_s * number, middle + by * ((0, 1, 0, -1)[number % 4]), number)
@@ -748,6 +748,12 @@ NOTE, LOOK = Severity.NOTE, Severity.WARNING
         (((100, 100), (120, 4), (100, 100)), [(200, 120, LOOK)]),
         (((100, 100), (140, 90), (100, 100), (140, 90), (100, 100), (140, 30)), [(200, 140, NOTE)]),  # rarely
         (((100, 100), (140, 90)) * 4, []),
+        ((*((100, 100), (120, 100)) * 4, (185, 50)), [(1600, 185, LOOK)]),  # by more than thrice the usual change
+        ((*((100, 100), (120, 100)) * 4, (175, 50)), []),
+        ((*((100, 100), (120, 100)) * 4, (35, 50)), [(1600, 35, LOOK)]),
+        ((*((100, 100), (120, 100)) * 4, (45, 50)), []),
+        (((100, 50), *((100, 4), (120, 4)) * 95, (200, 10)), [(1620, 200, LOOK)]),
+        (((100, 50), *((100, 4), (120, 4)) * 105, (200, 10)), []),  # what has more than 200 levels just moves
     ],
 )
 def test_a_level_is_unusual(parts: Sequence[tuple[float, int]], found: Sequence[tuple[float, float, Severity]]) -> None:
@@ -756,7 +762,43 @@ def test_a_level_is_unusual(parts: Sequence[tuple[float, int]], found: Sequence[
 
 def test_noise_is_no_level() -> None:
     """Eight times the usual scatter: 1.48 median deviations, here of 1 and 0."""
-    assert unusual(levels((100, 200), (108, 50), (100, 200), by=2.0)) == []
+    assert unusual(levels((100, 200), (110, 50), (100, 200), by=2.0)) == []
+    assert len(unusual(levels((100, 200), (114, 50), (100, 200), by=2.0))) == 1
+
+
+def test_the_last_digit_of_a_constant_makes_no_levels() -> None:
+    """With many of them, none is rare."""
+    flickers = levels(*((50, 20), (50.1, 20)) * 5, (54, 20), (50, 20), by=0.0)
+    assert unusual(flickers) == [(400, 54, LOOK)]
+
+
+def test_levels_of_long_ago_are_forgotten() -> None:
+    for memory_s, found in ((1000, [160]), (3000, [140, 160])):
+        made = levels((100, 100), (140, 20), (100, 1000), (160, 20), memory_s=memory_s)
+        assert [value for _, value, _ in unusual(made)] == found
+
+
+@pytest.mark.parametrize(("every", "found"), [(40, [(1802, 150, LOOK)]), (26, [])])
+def test_a_value_that_swings_farther_now_and_then_has_no_level_there(every: int, found: Sequence[Any]) -> None:
+    """Now and then: every thirtieth time at least."""
+    swings = [part for _ in range(900 // every) for part in ((100, every), (160, 1))]
+    assert unusual(levels(*swings, (150, 30), (100, 50), by=0.5)) == found
+
+
+@pytest.mark.parametrize(("alike", "times", "count"), [(3, 38, 1), (3, 65, 0), (5, 65, 1)])
+def test_what_mostly_moves_has_no_levels(alike: int, times: int, count: int) -> None:
+    """For more than a quarter of the time, more than a fifth of its values are elsewhere."""
+    moves = [part for _ in range(times) for part in ((140, alike), (170, 1))]
+    assert len(unusual(levels((100, 300), *moves, (100, 300), (300, 10), by=0.5))) == count
+
+
+@pytest.mark.parametrize(("every", "times", "count"), [(30, 1, 1), (20, 1, 0), (50, 2, 2), (25, 2, 0)])
+def test_a_peak_is_one_of_a_value_that_hardly_ever_has_any(every: int, times: int, count: int) -> None:
+    """In fifty values or more, one of fifty."""
+    made = levels(*((100, every), (160, 1)) * times, (100, every), by=0.0)
+    peaks = [(2.0 * every * number + 2 * (number - 1), 160) for number in range(1, times + 1)]
+    assert [(blip.from_s, blip.value) for blip in made.blips()] == peaks[:count]
+    assert levels((100, 90), (104, 2), (100, 90), by=0.0).blips() == []  # less than 5 %
 
 
 def test_a_step_is_small_beside_later_noise() -> None:
@@ -788,7 +830,7 @@ def test_what_levels_out_does_not_go_on() -> None:
     def bent(slope: float) -> list[tuple[float, float]]:
         return [(float(x), 2.0 * min(x, 20) + slope * max(x - 20, 0)) for x in range(41)]
 
-    assert goes_on(bent(1.0), trend(bent(1.0)))  # 1.0 of 1.5 or so
+    assert goes_on(bent(0.6), trend(bent(0.6)))  # 0.6 of 1.3
     assert not goes_on(bent(0.4), trend(bent(0.4)))  # of 1.2
 
 

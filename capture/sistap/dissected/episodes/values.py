@@ -141,11 +141,11 @@ class Values:
         followed = self._of(parameter)
         if followed is None:
             return False
-        if followed.unit and followed.unit != said.unit and RAW in (followed.unit, said.unit):
+        if followed.unit != said.unit and RAW in (followed.unit, said.unit):
             beside = followed.beside  # in bytes, as ever
             followed = self._followed[parameter] = self._begin()  # its attribute was read: now it has another scale
             followed.beside = beside
-        followed.unit = said.unit or followed.unit
+        followed.unit = said.unit
         if access.is_raw and parameter.ident not in FORMS:
             self._raw.add(parameter)
         elif self._raw:
