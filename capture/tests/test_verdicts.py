@@ -58,7 +58,7 @@ from sistap.dissected.episodes.levels import Levels, goes_on
 from sistap.dissected.episodes.lines import lines
 from sistap.dissected.episodes.live import LiveEpisodes
 from sistap.dissected.episodes.machine import Machine as Drives
-from sistap.dissected.episodes.readings import ValueReading, reading
+from sistap.dissected.episodes.readings import RAW, ValueReading, reading
 from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Subject
 from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.trend import Slots, quartiles, trend
@@ -127,6 +127,7 @@ def command(rpm: float) -> Play:
     return do("write", 3, "S-0-0036", rpm)
 
 
+NEXT_FILE = event(Event.CAPTURE_STARTED, f"tap{KEPT}late")
 SLOW = [reaction(20, reaction=judged(time_s, 0.05, 0)) for time_s in [0.010] * 45 + [0.030] * 45]
 
 
@@ -312,6 +313,36 @@ CASES = (
         *(f"station 3 {SPEED}", "100 rpm above S-0-0036"),
     ),
     Case(
+        "step",
+        then(
+            turns(1000, 60),
+            command(1000),
+            turns(1000, 99),
+            turns(900, 30),
+            turns(1000, 99),
+            command(1200),
+            turns(1200, 60),
+        ),
+        *(f"station 3 {SPEED}", "100 rpm below S-0-0036"),
+    ),
+    Case(
+        "step",
+        then(
+            command(1000), turns(1000, 60), NEXT_FILE, command(1000), turns(1000, 99), turns(900, 30), turns(1000, 99)
+        ),
+        *(f"station 3 {SPEED}", "100 rpm below S-0-0036"),
+    ),
+    Case(
+        "step",
+        then(
+            reads(undescribed(3, "S-0-0036", bytes([128, 150, 152, 0]))),
+            turns(1000, 99),
+            turns(900, 30),
+            turns(1000, 99),
+        ),
+        *(f"station 3 {SPEED}", "900 rpm, usually 1000"),  # nobody knows the scale of its command
+    ),
+    Case(
         "blip",
         then(
             level(TORQUE, 50.25, 60, "%", 3, 4, 5),
@@ -386,7 +417,7 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("drift", told("S-0-0051", RISES, every_s=30, unit="mm")),  # a position
     ("master", turn(9, 200)),  # a control that takes turns
     ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
-    ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
+    ("step", then(command(1000), turns(1000, 90), NEXT_FILE, turns(1200, 90))),
     ("error", refuse(0x10)),  # what is asked for is not known
     ("changed", reads(*[access(5, "P-0-0222", one) for one in [1000] * 20 + [1010] * 5 + [1000] * 5], every_s=10)),
     *(("changed", reads(*[access(5, ident, one) for one in "AAAB"])) for ident in ("S-0-0390", "S-0-0095", "S-0-0135")),
@@ -394,6 +425,8 @@ QUIET: Sequence[tuple[str, Play]] = (
         "changed",
         then(reads(*[access(5, "P-0-0222", 1)] * 20), writes("P-0-0222", (PLC, 0)), reads(access(5, "P-0-0222", 0))),
     ),
+    ("step", then(turns(1000, 60), command(1000), turns(1000, 60))),
+    *(("step", then(command(rpm), *(turns(rpm * part, 99) for part in (1, 0.97, 1)))) for rpm in (1000, -1000)),
     ("step", then(do("write", 3, TORQUE, 50), told(TORQUE, PART, unit="%"))),  # somebody sets it
     ("drift", then(do("write", 3, TORQUE, 50), line((30, 50)))),
     ("beyond", do("write", 3, SPEED, 3001, **IN_LIMITS)),  # that tells nothing of what it is
@@ -860,6 +893,52 @@ def test_a_level_that_a_good_capture_does_not_have(good: int, bad: int, said: Se
         level("P-0-0123", rpm, 100, "rpm")(machine)
     sides = [machine.engine._buses[name].values for machine, name in ((before, "a"), (now, "b"))]
     assert [hit.detail for hit in unlike(*sides)] == said
+
+
+P123, P145 = "P-0-0123", "P-0-0145"
+USUAL = then(level(P123, 1000, 99, "rpm", 3), level(P123, 600, 99, "rpm", 4), level(P145, 600, 99, "rpm", 3))
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "said"),
+    [
+        (USUAL, level(P123, 600, 99, "rpm"), [f"station 3 {P123} 600 rpm, 1000 in the good capture"]),
+        *(
+            (
+                level(P123, 234500, 99, unit),
+                level(P123, 123400, 99, unit),
+                [f"station 3 {P123} {said} in the good capture"],
+            )
+            for unit, said in (("", "123400, 234500"), (RAW, "123400 raw, 234500"))
+        ),
+        (USUAL, level(P123, 600, 99, RAW), []),  # on another scale
+        (USUAL, level("P-0-0124", 600, 99, "rpm"), []),
+        (then(command(1000), turns(1000, 99)), turns(600, 99), []),  # only one side tells what it follows
+        (turns(1000, 99), then(command(1000), turns(600, 99)), []),
+        (level(TORQUE, 50, 99, "%"), line((80, 50)), []),  # a drift, that is told
+        (
+            level(P123, 1000, 99, "rpm"),
+            then(level(P123, 1000, 99, "rpm"), level(P123, 600, 30, "rpm"), level(P123, 1000, 99, "rpm")),
+            [f"station 3 {P123} 600 rpm, usually 1000"],  # once
+        ),
+        (then(level(P123, 1000, 99, "rpm"), level(P123, 600, 99, "rpm")), level(P123, 600, 99, "rpm"), []),
+    ],
+)
+def test_what_a_good_capture_tells_of_a_level(good: Play, bad: Play, said: Sequence[str]) -> None:
+    before = Machine()
+    good(before)
+    before.finish()
+    machine = Machine(before=before.engine)
+    bad(machine)
+    assert [f"{one.who} {one.detail.partition(';')[0]}" for one in machine.told().of("step")] == said
+
+
+def test_a_level_is_far_from_a_good_one_beside_its_own_noise() -> None:
+    good = levels((100, 99), by=0.1)
+    assert [level.value for level in levels((112, 99), by=0.1).unlike(good)] == [112]
+    assert [*levels((112, 99), by=2.0).unlike(good)] == []  # eight times the scatter are 11.9, and 5 % of the good one
+    assert [level.value for level in levels((88, 99), by=0.1).unlike(good)] == [88]
+    assert [*levels((88, 99), by=2.0).unlike(good)] == []
 
 
 def test_what_follows_a_command_is_compared_beside_it() -> None:

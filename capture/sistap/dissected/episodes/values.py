@@ -430,7 +430,9 @@ def unlike(good: Values, bad: Values) -> Iterator[Hit]:
             continue  # that is told
         beside = "" if followed.command is None else f" beside {FOLLOWS[parameter.ident]}"
         for level in followed.levels.unlike(before.levels):
-            detail = f"{level.value:.5g} {followed.unit}{beside}, {before.levels.usual:.5g} in the good capture"
-            where = station_of(parameter), parameter.ident, detail.replace("  ", " ")
+            detail = (
+                f"{_number(level.value)} {followed.unit}{beside}, {_number(before.levels.usual)} in the good capture"
+            )
+            where = station_of(parameter), parameter.ident, detail.replace("  ", " ").replace(" ,", ",")
             place = "step", level.packet, level.from_s, level.to_s
             yield Hit(*place, *where, level.value, Severity.NOTE, parameter.port, str(parameter))
