@@ -223,7 +223,7 @@ def test_bits_and_lists_are_alike_only_if_they_are_the_same(usual: str, other: s
     assert details(said, "changed") == [f"station 5 P-0-0222: {usual} -> {other}"] * count
 
 
-@pytest.mark.parametrize(("command", "rpm", "count"), [(1000.0, 5.0, 0), (-1000.0, 5.0, 0), (1000.0, 20.0, 1)])
+@pytest.mark.parametrize(("command", "rpm", "count"), [(1000.0, 8.0, 0), (-1000.0, 8.0, 0), (1000.0, 15.0, 1)])
 def test_a_drive_that_holds_its_place_while_others_run_moves_a_little(command: float, rpm: float, count: int) -> None:
     """By less than a hundredth of its greatest command."""
     machine = Machine()

@@ -137,11 +137,11 @@ def behind(rpm: float, seconds: int, *, is_named: bool = False) -> Play:
     return then(do("write", 3, "S-0-0036", 1000.0), reads(*said, every_s=0.97))
 
 
-def flips(count: int) -> Play:
-    """Let a switch change so often within two minutes; before and after, it rests."""
+def flips(count: int, every_s: float = 10.0) -> Play:
+    """Let a switch change so often; before and after, it rests."""
     states = [0] * 8, [number % 2 for number in range(1, count + 1)], [count % 2] * 8
     still, changing, last = ([access(5, "P-0-0222", str(one)) for one in part] for part in states)
-    return then(reads(*still, every_s=60), reads(*changing, every_s=10), reads(*last, every_s=60))
+    return then(reads(*still, every_s=60), reads(*changing, every_s=every_s), reads(*last, every_s=60))
 
 
 def stamped(jump_s: float, since_s: float | None = 0.02) -> Play:
@@ -372,6 +372,7 @@ CASES = (
     Case("apart", LOOK, behind(500, 23), behind(500, 20)),
     Case("apart", LOOK, behind(500, 65, is_named=True), behind(950, 65, is_named=True)),  # meanwhile somebody names it
     Case("chatter", LOOK, flips(6), flips(5)),
+    Case("chatter", LOOK, flips(6, every_s=50), flips(6, every_s=70)),
     Case("error", LOOK, refused(is_known=True), refused(is_known=False)),
     Case("error", LOOK, refused(is_known=False, is_write=True), refused(is_known=False)),
     Case("busy", NOTE, refused(is_known=True, code=BUSY), refused(is_known=True)),
@@ -385,6 +386,7 @@ CASES = (
     Case("drift", NOTE, told(TORQUE, RISES, every_s=17, unit="%"), told(TORQUE, RISES, every_s=14, unit="%")),
     Case("drift", NOTE, told(TORQUE, CLEAR, every_s=30, unit="%"), told(TORQUE, SLIGHT, every_s=30, unit="%")),
     Case("drift", NOTE, rising(14, "h"), rising(21, "h")),  # a counter
+    Case("drift", NOTE, rising(8, "h"), rising(7, "h")),  # a state
     *(Case("drift", NOTE, rising(30, unit), rising(30, "l")) for unit in ("°C", "°F", "degC", "deg F", "K")),
     Case("step", NOTE, told(TORQUE, PART, unit="%"), told(TORQUE, SMALL, unit="%")),  # 40 %; less than 5 %
     Case("step", NOTE, *(then(*(then(told(TORQUE, one, unit="%"), run(gap)) for one in PARTS)) for gap in (50, 90))),

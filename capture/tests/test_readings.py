@@ -41,6 +41,8 @@ def test_bytes_that_nobody_describes(ident: str, data: bytes, expected: ValueRea
         ("S-0-0011", "0b", None, ValueReading(None, "0b", "rpm")),
         ("S-0-0390", "0x000F2028", 991272.0, ValueReading(None, "0x000F2028", "", 991272)),
         ("P-0-4000", "0x00FF", 255.0, ValueReading(None, "0x00FF", "", 255)),
+        ("S-0-0051", "100.0 rpm", 100.0, ValueReading(100.0, "100.0 rpm", "rpm")),  # a position
+        ("S-0-0095", '"F228"', None, ValueReading(None, '"F228"', "rpm")),
         ("S-0-0012", "4", 4.0, ValueReading(None, "4", "", 4)),
         ("S-0-0012", "", None, None),
     ],

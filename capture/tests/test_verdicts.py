@@ -294,6 +294,16 @@ CASES = (
         *("station 5 P-0-0222", "1 -> 0; still so when last read"),
     ),
     Case(
+        "changed",
+        reads(*[access(5, "P-0-0222", "0")] * 3, *[access(5, "P-0-0222", "1")] * 20, every_s=10),
+        *("station 5 P-0-0222", "0", 0.03, 30.12),
+    ),
+    Case(
+        "changed",
+        reads(*(access(5, "P-0-0222", letter * 50) for letter in "AAB")),
+        *("station 5 P-0-0222", f"{'A' * 40} -> {'B' * 40}; still so when last read"),
+    ),
+    Case(
         "step",
         then(*(level(TORQUE, *part, "%") for part in ((50.25, 99), (70.25, 30), (50.25, 99)))),
         *(f"station 3 {TORQUE}", "70.25 %, usually 50.25", 201.0, 259.87),
