@@ -137,9 +137,9 @@ def behind(rpm: float, seconds: int, *, is_named: bool = False) -> Play:
     return then(do("write", 3, "S-0-0036", 1000.0), reads(*said, every_s=0.97))
 
 
-def flips(count: int, every_s: float = 10.0) -> Play:
-    """Let a switch change so often; before and after, it rests."""
-    states = [0] * 8, [number % 2 for number in range(1, count + 1)], [count % 2] * 8
+def flips(count: int, every_s: float = 10.0, rests: int = 8) -> Play:
+    """Let a switch change so often; before and after, it rests for so many minutes."""
+    states = [0] * rests, [number % 2 for number in range(1, count + 1)], [count % 2] * rests
     still, changing, last = ([access(5, "P-0-0222", str(one)) for one in part] for part in states)
     return then(reads(*still, every_s=60), reads(*changing, every_s=every_s), reads(*last, every_s=60))
 
@@ -244,6 +244,11 @@ def staircase(count: int) -> Play:
 def rising(count: int, unit: str) -> Play:
     """Let a number rise so often, each time after five minutes."""
     return told("P-0-0300", [20.0 + number // 10 for number in range(10 * count + 10)], every_s=30, unit=unit)
+
+
+def falling_back(low: int) -> Play:
+    """Let a number rise from 0 to 30, and again from another one on."""
+    return told("P-0-0300", [float(one) for one in (*range(31), *range(low, low + 30)) for _ in range(4)], every_s=30)
 
 
 def besides(count: int) -> Play:
@@ -373,6 +378,8 @@ CASES = (
     Case("apart", LOOK, behind(500, 65, is_named=True), behind(950, 65, is_named=True)),  # meanwhile somebody names it
     Case("chatter", LOOK, flips(6), flips(5)),
     Case("chatter", LOOK, flips(6, every_s=50), flips(6, every_s=70)),
+    Case("chatter", LOOK, flips(6, every_s=50, rests=3), flips(6, every_s=50, rests=2)),  # it hardly rests
+    Case("chatter", LOOK, *(then(reads(*[access(5, "P-0-0222", "1")] * 8, every_s=60), flips(one)) for one in (10, 7))),
     Case("error", LOOK, refused(is_known=True), refused(is_known=False)),
     Case("error", LOOK, refused(is_known=False, is_write=True), refused(is_known=False)),
     Case("busy", NOTE, refused(is_known=True, code=BUSY), refused(is_known=True)),
@@ -387,6 +394,7 @@ CASES = (
     Case("drift", NOTE, told(TORQUE, CLEAR, every_s=30, unit="%"), told(TORQUE, SLIGHT, every_s=30, unit="%")),
     Case("drift", NOTE, rising(14, "h"), rising(21, "h")),  # a counter
     Case("drift", NOTE, rising(8, "h"), rising(7, "h")),  # a state
+    Case("drift", NOTE, falling_back(12), falling_back(6)),  # a counter that begins anew
     *(Case("drift", NOTE, rising(30, unit), rising(30, "l")) for unit in ("°C", "°F", "degC", "deg F", "K")),
     Case("step", NOTE, told(TORQUE, PART, unit="%"), told(TORQUE, SMALL, unit="%")),  # 40 %; less than 5 %
     Case("step", NOTE, *(then(*(then(told(TORQUE, one, unit="%"), run(gap)) for one in PARTS)) for gap in (50, 90))),

@@ -114,6 +114,16 @@ def line(*ends: tuple[float, float]) -> Play:
     return play
 
 
+def beside(*steps: tuple[float, float]) -> Play:
+    """Let a number of stations 3, 4 and so on step for a minute, at once."""
+    numbers = [[*near(usual, 99), *near(other, 30), *near(usual, 99)] for usual, other in steps]
+    said = (
+        [access(station, TORQUE, one, unit="%") for station, one in enumerate(row, 3)]
+        for row in zip(*numbers, strict=True)
+    )
+    return then(*(then(reads(*row), pause(2)) for row in said))
+
+
 def standing(play: Play) -> Play:
     """Let a machine stand from the beginning."""
     return then(lambda machine: machine.all(STANDS, 0.0), run(60), play)
@@ -276,8 +286,11 @@ CASES = (
     ),
     Case("drift", line((30, 50)), f"station 3 {TORQUE}", "+10 %/h, 30 -> 50 % (not by chance)", 0.03, 7200.03),
     Case("drift", line((-30, -50)), f"station 3 {TORQUE}", "-10 %/h, -30 -> -50 % (not by chance)"),
-    Case("drift", line((30, 50), (30, 52)), f"stations 3, 4 {TORQUE}", "+11 %/h, 30 -> 52 % (not by chance)"),
-    Case("chatter", flips(7), "station 5 P-0-0222", "7 changes between 0 and 1"),
+    Case("drift", line((30, 54.68)), f"station 3 {TORQUE}", "+12.3 %/h, 30 -> 54.68 % (not by chance)"),
+    Case("drift", line((1, 1.5)), f"station 3 {TORQUE}", "+0.25 %/h, 1 -> 1.5 % (not by chance)"),
+    Case("drift", line((1.5, 1)), f"station 3 {TORQUE}", "-0.25 %/h, 1.5 -> 1 % (not by chance)"),
+    Case("drift", line((30, 50), (60, 104)), f"stations 3, 4 {TORQUE}", "+22 %/h, 60 -> 104 % (not by chance)"),
+    Case("chatter", flips(7), "station 5 P-0-0222", "7 changes between 0 and 1", 480.27, 540.45),
     Case(
         "changed",
         reads(
@@ -292,6 +305,11 @@ CASES = (
         "changed",
         reads(*[access(5, "P-0-0222", "1")] * 20, access(5, "P-0-0222", "0"), every_s=10),
         *("station 5 P-0-0222", "1 -> 0; still so when last read"),
+    ),
+    Case(
+        "changed",
+        reads(*(access(5, "P-0-0222", f"{one} rpm") for one in [1000] * 9 + [1010] * 9 + [900]), every_s=10),
+        *("station 5 P-0-0222", "1010 rpm -> 900 rpm; still so when last read"),
     ),
     Case(
         "changed",
@@ -315,9 +333,24 @@ CASES = (
     ),
     Case(
         "step",
-        standing(then(*(level("P-0-0123", *part, "bar") for part in ((50, 99), (70, 30), (50, 99))))),
-        *("station 3 P-0-0123", "70 bar, usually 50"),
+        standing(then(*(level("P-0-0123", *part, "bar") for part in ((110.5, 99), (130.5, 30), (110.5, 99))))),
+        *("station 3 P-0-0123", "130.5 bar, usually 110.5"),
     ),
+    *(
+        Case(
+            "step",
+            then(
+                command(3),
+                *(
+                    told(SPEED, [at + one / 50 for one in near(0, count)], unit="m/s")
+                    for at, count in ((3, 99), (by, 30), (3, 99))
+                ),
+            ),
+            *(f"station 3 {SPEED}", f"0.5 m/s {where} S-0-0036"),
+        )
+        for by, where in ((2.5, "below"), (3.5, "above"))
+    ),
+    Case("step", beside((50, 20), (500, 700)), f"stations 3, 4 {TORQUE}", "20 %, usually 50"),  # by 60 and 40 %
     Case(
         *("step", then(command(-1000), turns(-1000, 99), turns(-900, 30), turns(-1000, 99))),
         *(f"station 3 {SPEED}", "100 rpm above S-0-0036"),
@@ -915,11 +948,11 @@ USUAL = then(level(P123, 1000, 99, "rpm", 3), level(P123, 600, 99, "rpm", 4), le
         (USUAL, level(P123, 600, 99, "rpm"), [f"station 3 {P123} 600 rpm, 1000 in the good capture"]),
         *(
             (
-                level(P123, 234500, 99, unit),
-                level(P123, 123400, 99, unit),
+                level(P123, 23450, 99, unit),
+                level(P123, 12340, 99, unit),
                 [f"station 3 {P123} {said} in the good capture"],
             )
-            for unit, said in (("", "123400, 234500"), (RAW, "123400 raw, 234500"))
+            for unit, said in (("", "12340, 23450"), (RAW, "12340 raw, 23450"))
         ),
         (USUAL, level(P123, 600, 99, RAW), []),  # on another scale
         (USUAL, level("P-0-0124", 600, 99, "rpm"), []),
@@ -932,6 +965,11 @@ USUAL = then(level(P123, 1000, 99, "rpm", 3), level(P123, 600, 99, "rpm", 4), le
             [f"station 3 {P123} 600 rpm, usually 1000"],  # once
         ),
         (then(level(P123, 1000, 99, "rpm"), level(P123, 600, 99, "rpm")), level(P123, 600, 99, "rpm"), []),
+        (
+            then(USUAL, level(TORQUE, 50, 99, "%")),
+            then(level("P-0-0001", 9, 99, ""), level(P145, 9, 99, RAW), line((80, 50)), level(P123, 600, 99, "rpm")),
+            [f"station 3 {P123} 600 rpm, 1000 in the good capture"],
+        ),
     ],
 )
 def test_what_a_good_capture_tells_of_a_level(good: Play, bad: Play, said: Sequence[str]) -> None:
