@@ -436,6 +436,10 @@ def test_what_is_said(case: Case) -> None:
     case.play(machine)
     (found,) = machine.told().of(case.kind)
     assert (found.who, found.detail) == (case.who, case.detail)
+    if case.kind in ("foreign", "drift", "slower"):
+        assert found.packets == []  # it is of the whole capture
+    elif case.kind not in ("bus_silent", "gap", "restart"):  # they begin with a silence
+        assert machine.times_s[found.packets[0]] == pytest.approx(found.from_s)
     if case.from_s is not None:
         assert found.from_s - BEGIN_S == pytest.approx(case.from_s, abs=0.006)
     if case.to_s is not None:
@@ -554,6 +558,15 @@ def test_a_bus_that_is_unreadable_twice_is_told_twice() -> None:
     found = machine.told().of("unreadable")
     assert [one.detail for one in found] == ["21 records are no telegrams"] * 2
     assert [one.from_s - BEGIN_S for one in found] == pytest.approx([60.2, 124.49])
+
+
+def test_a_drift_that_chance_may_make_says_so() -> None:
+    """Of 16 points, 8 pairs of neighbours fall: S = 120 - 16, and its deviation is sqrt(16*15*37/18) = 22.2."""
+    numbers = [30 + 2 * (number ^ 1) for number in range(16)]
+    machine = Machine()
+    told(TORQUE, numbers, every_s=300, unit="%")(machine)
+    (drift,) = machine.told().of("drift")
+    assert int(drift.detail.rpartition(" ")[2].rstrip(")")) == pytest.approx(352_000, rel=0.01)  # 4.68 deviations
 
 
 def test_many_stops_are_one_phrase() -> None:
