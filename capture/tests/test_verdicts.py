@@ -389,10 +389,10 @@ CASES = (
         "blip",
         then(
             level(TORQUE, 50.25, 60, "%", 3, 4, 5),
-            *(do("exchange", access(station, TORQUE, by, unit="%")) for station, by in ((3, 80), (4, 90), (5, 85))),
+            *(do("exchange", access(station, TORQUE, by, unit="%")) for station, by in ((3, 80), (4, 90), (5, 85)) * 2),
             level(TORQUE, 50.25, 60, "%", 3, 4, 5),
         ),
-        *(f"stations 3, 4, 5 {TORQUE}", "90 %, usually 50.25", 125.43, 125.49),
+        *(f"stations 3, 4, 5 {TORQUE}", "90 %, usually 50.25", 125.43, 125.58),
     ),
     Case(
         "step",
@@ -611,12 +611,12 @@ def test_what_begins_is_told_at_once() -> None:
     assert [[hit.kind for hit in hits] for hits in found] == [[], ["fault"], [], ["fault"]]
 
 
-def at_once(*accesses: Access) -> list[tuple[int, str, float, str]]:
-    """Return what is told of values that come every 10 s: with which of them, what, since when, its outcome."""
+def at_once(*accesses: Access, every_s: float = 10.0) -> list[tuple[int, str, float, str]]:
+    """Return what is told of values, at once: with which of them, what, since when, its outcome."""
     live = LiveEpisodes(THRESHOLDS._replace(learning_s=0.0))
     found = []
     for number, one in enumerate(accesses):
-        hits = live.add(packet(BEGIN_S + 10 * number, telegram(5, PLC, is_reaction=True), accesses=[one]))
+        hits = live.add(packet(BEGIN_S + every_s * number, telegram(5, PLC, is_reaction=True), accesses=[one]))
         found += [(number, hit.detail, hit.from_s - BEGIN_S, hit.outcome) for hit in hits]
     return found
 
@@ -632,6 +632,7 @@ def test_a_level_is_told_when_it_lasts_and_once() -> None:
     """A drive may stand from its beginning: then it has levels, too."""
     torque = [access(5, TORQUE, number, unit="%") for number in (*near(50, 30), *near(70, 9))]
     assert at_once(*torque) == [(32, "70 %, usually 50", 300, "")]
+    assert at_once(*torque, every_s=1) == [(35, "70 %, usually 50", 30, "")]  # after 5 s
     stands = access(5, "S-0-0390", "0xA0012")
     assert at_once(stands, *torque) == [(33, "70 %, usually 50", 310, "")]
 
