@@ -338,7 +338,7 @@ CASES = (
     Case("silent", ERROR, then(run(30), do("silent", 4, 3)), then(run(30), do("silent", 4, 3, every_s=0.49))),
     Case("silent", ERROR, then(run(30), do("silent", 4, 9)), do("silent", 9, 9)),  # it never answered
     Case("silent", LOOK, do("silent", 9, 3), do("silent", 9, 2)),
-    Case("vanished", LOOK, then(run(420), run(80, has_panel=False)), then(run(420), run(50, has_panel=False))),
+    Case("vanished", LOOK, then(run(420), run(70, has_panel=False)), then(run(420), run(50, has_panel=False))),
     Case("vanished", LOOK, then(run(420), run(80, has_panel=False)), then(run(380), run(80, has_panel=False))),
     Case(
         *("vanished", LOOK),
@@ -388,7 +388,7 @@ CASES = (
     Case("never", NOTE, refused(is_known=False), refused(is_known=True)),
     Case("slower", LOOK, late(0.030), late(0.014)),
     Case("slower", LOOK, late(0.0075, 0.002), late(0.006, 0.002)),  # less than 5 ms
-    Case("slower", LOOK, late(0.075, 0.040), late(0.056, 0.040)),  # less than by half
+    Case("slower", LOOK, late(0.069, 0.040), late(0.058, 0.040)),  # less than by half
     Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, LEVELS_OUT, every_s=30, unit="%")),
     Case("drift", NOTE, told(TORQUE, RISES, every_s=17, unit="%"), told(TORQUE, RISES, every_s=14, unit="%")),
     Case("drift", NOTE, told(TORQUE, CLEAR, every_s=30, unit="%"), told(TORQUE, SLIGHT, every_s=30, unit="%")),

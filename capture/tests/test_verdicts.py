@@ -842,8 +842,9 @@ NOTE, LOOK = Severity.NOTE, Severity.WARNING
         ((*((100, 100), (120, 100)) * 4, (175, 50)), []),
         ((*((100, 100), (120, 100)) * 4, (35, 50)), [(1600, 35, LOOK)]),
         ((*((100, 100), (120, 100)) * 4, (45, 50)), []),
-        (((100, 50), *((100, 4), (120, 4)) * 95, (200, 10)), [(1620, 200, LOOK)]),
-        (((100, 50), *((100, 4), (120, 4)) * 105, (200, 10)), []),  # what has more than 200 levels just moves
+        (((100, 50), *((100, 4), (120, 4)) * 50, (200, 10), *((100, 4), (120, 4)) * 45), [(900, 200, LOOK)]),
+        # what has more than 200 levels just moves
+        (((100, 50), *((100, 4), (120, 4)) * 50, (200, 10), *((100, 4), (120, 4)) * 55), []),
     ],
 )
 def test_a_level_is_unusual(parts: Sequence[tuple[float, int]], found: Sequence[tuple[float, float, Severity]]) -> None:
@@ -863,9 +864,9 @@ def test_the_last_digit_of_a_constant_makes_no_levels() -> None:
 
 
 def test_levels_of_long_ago_are_forgotten() -> None:
-    for memory_s, found in ((1000, [160]), (3000, [140, 160])):
+    for memory_s, found in ((1000, [2240]), (3000, [200, 2240])):
         made = levels((100, 100), (140, 20), (100, 1000), (160, 20), memory_s=memory_s)
-        assert [value for _, value, _ in unusual(made)] == found
+        assert [from_s for from_s, *_ in unusual(made)] == found
 
 
 @pytest.mark.parametrize(("every", "found"), [(40, [(1802, 150, LOOK)]), (26, [])])
@@ -873,6 +874,13 @@ def test_a_value_that_swings_farther_now_and_then_has_no_level_there(every: int,
     """Now and then: every thirtieth time at least."""
     swings = [part for _ in range(900 // every) for part in ((100, every), (160, 1))]
     assert unusual(levels(*swings, (150, 30), (100, 50), by=0.5)) == found
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_level_between_two_that_swing_and_far_from_both_is_none(sign: int) -> None:
+    """Levels of 0 and 20 make 60 more usual, and less."""
+    swings = [part for middle in (0, 20) * 3 for part in ((sign * middle, 15), (sign * 60, 1)) * 4]
+    assert unusual(levels(*swings, (sign * 70, 30), (0, 60), by=0.5)) == []
 
 
 @pytest.mark.parametrize(("alike", "times", "count"), [(3, 38, 1), (3, 65, 0), (5, 65, 1)])
@@ -888,7 +896,21 @@ def test_a_peak_is_one_of_a_value_that_hardly_ever_has_any(every: int, times: in
     made = levels(*((100, every), (160, 1)) * times, (100, every), by=0.0)
     peaks = [(2.0 * every * number + 2 * (number - 1), 160) for number in range(1, times + 1)]
     assert [(blip.from_s, blip.value) for blip in made.blips()] == peaks[:count]
-    assert levels((100, 90), (104, 2), (100, 90), by=0.0).blips() == []  # less than 5 %
+    assert levels((100, 90), (104.5, 2), (100, 90), by=0.0).blips() == []  # less than 5 %
+
+
+@pytest.mark.parametrize(
+    ("gaps_s", "found"), [((50, 90), [140, 160]), ((90, 50), [140, 160]), ((90, 90), [160]), ((50, 50), [140, 160])]
+)
+def test_a_level_is_one_if_it_was_read_shortly_before_or_after(gaps_s: Sequence[float], found: Sequence[float]) -> None:
+    made, second = Levels(), 0.0
+    parts = (100, gaps_s[0]), (140, gaps_s[1]), (100, 0), (160, 0), (100, 0)
+    for middle, gap_s in parts:
+        for value in near(middle, 60):
+            second += 2
+            made.add(second, value, 1)
+        second += gap_s
+    assert [value for _, value, _ in unusual(made)] == found
 
 
 def test_a_step_is_small_beside_later_noise() -> None:

@@ -123,8 +123,8 @@ class Levels:
     def _next(self) -> None:
         """Begin a level with the values outside of the last one."""
         outside, self._outside = self._outside, []
-        self._levels[-1].to_s = max(self._levels[-1].to_s, self._levels[-1].from_s)
-        self._levels.append(Level(outside[0][0], outside[-1][0], outside[0][2]))
+        from_s, _, packet = outside[0]
+        self._levels.append(Level(from_s, from_s, packet))
         self._recent.clear()
         for time_s, value, _ in outside:
             self._take(time_s, value)
