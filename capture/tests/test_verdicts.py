@@ -563,9 +563,11 @@ def test_a_bus_that_is_unreadable_twice_is_told_twice() -> None:
 def test_a_drift_that_chance_may_make_says_so() -> None:
     """Of 16 points, 8 pairs of neighbours fall: S = 120 - 16, and its deviation is sqrt(16*15*37/18) = 22.2."""
     numbers = [30 + 2 * (number ^ 1) for number in range(16)]
-    machine = Machine()
+    machine, short = Machine(), Machine()
     told(TORQUE, numbers, every_s=300, unit="%")(machine)
     (drift,) = machine.told().of("drift")
+    told(TORQUE, numbers[:12], every_s=400, unit="%")(short)
+    assert short.told().of("drift") == []  # too few
     assert int(drift.detail.rpartition(" ")[2].rstrip(")")) == pytest.approx(352_000, rel=0.01)  # 4.68 deviations
 
 
@@ -926,6 +928,7 @@ def test_quartiles_have_weights() -> None:
     assert quartiles([(3.0, 1.0), (1.0, 1.0), (2.0, 1.0), (4.0, 1.0)]) == (1.0, 3.0)
     assert quartiles([(1.0, 1.0), (2.0, 9.0)]) == (2.0, 2.0)
     assert quartiles([(7.0, 1.0)]) == (7.0, 7.0)
+    assert quartiles([(float(value), 1.0) for value in range(1, 6)]) == (2.0, 4.0)
 
 
 def test_a_line_through_points() -> None:
