@@ -25,12 +25,8 @@ def quartiles(weighted: Sequence[tuple[float, float]]) -> tuple[float, float]:
 
 
 def _within(ordered: Sequence[tuple[float, float]], wanted: float) -> float:
-    value, passed = 0.0, 0.0
-    for value, weight in ordered:
-        passed += weight
-        if passed >= wanted:
-            break
-    return value
+    sums = itertools.accumulate(weight for _, weight in ordered)
+    return next(value for (value, _), passed in zip(ordered, sums, strict=True) if passed >= wanted)
 
 
 class Trend(NamedTuple):
