@@ -6,6 +6,7 @@ test_kinds has what provokes a kind at all; here is what a person then reads. Ti
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from operator import methodcaller as do
 from typing import Any, NamedTuple
@@ -59,7 +60,7 @@ from sistap.dissected.episodes.lines import lines
 from sistap.dissected.episodes.live import LiveEpisodes
 from sistap.dissected.episodes.machine import Machine as Drives
 from sistap.dissected.episodes.readings import RAW, ValueReading, reading
-from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Subject
+from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Subject, changed
 from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.trend import Slots, quartiles, trend
 from sistap.dissected.episodes.values import unlike
@@ -902,7 +903,7 @@ def test_a_peak_is_one_of_a_value_that_hardly_ever_has_any(every: int, times: in
 
 
 @pytest.mark.parametrize(
-    ("gaps_s", "found"), [((50, 90), [140, 160]), ((90, 50), [140, 160]), ((90, 90), [160]), ((50, 50), [140, 160])]
+    ("gaps_s", "found"), [((50, 70), [140, 160]), ((70, 50), [140, 160]), ((70, 70), [160]), ((50, 50), [140, 160])]
 )
 def test_a_level_is_one_if_it_was_read_shortly_before_or_after(gaps_s: Sequence[float], found: Sequence[float]) -> None:
     made, second = Levels(), 0.0
@@ -1039,6 +1040,30 @@ def test_what_follows_a_command_is_compared_beside_it() -> None:
         was, one.is_written = one.is_written, True  # what somebody writes is as it was told
         assert [*unlike(*sides)] == ([] if not was else [hit])
         one.is_written = was
+
+
+# -- Thresholds ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("silence=3", "'silence=3' is not NAME=VALUE with a NAME of: bus_silent_s, "),
+        ("again=1.5", "again takes a whole number from 0 on, not '1.5'"),
+        ("again=-1", "again takes a whole number from 0 on, not '-1'"),
+        ("silent_s=inf", "silent_s takes a number from 0 on, not 'inf'"),
+        ("silent_s=nan", "silent_s takes a number from 0 on, not 'nan'"),
+        ("silent_s", "silent_s takes a number from 0 on, not ''"),
+    ],
+)
+def test_a_threshold_that_is_none_says_why(text: str, said: str) -> None:
+    with pytest.raises(ValueError, match=f"^{re.escape(said)}"):
+        changed(THRESHOLDS, text)
+
+
+def test_one_threshold_is_changed() -> None:
+    assert changed(THRESHOLDS, "again=0") == THRESHOLDS._replace(again=0)
+    assert changed(THRESHOLDS, "silent_s=1e3") == THRESHOLDS._replace(silent_s=1000.0)
 
 
 # -- An episode ------------------------------------------------------------------------------------------------------
