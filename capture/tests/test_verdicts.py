@@ -638,9 +638,26 @@ def test_a_level_is_told_when_it_lasts_and_once() -> None:
     """A drive may stand from its beginning: then it has levels, too."""
     torque = [access(5, TORQUE, number, unit="%") for number in (*near(50, 30), *near(70, 9))]
     assert at_once(*torque) == [(32, "70 %, usually 50", 300, "")]
+    again = (access(5, TORQUE, number, unit="%") for middle in (50, 70, 50, 70) for number in near(middle, 40))
+    assert at_once(*again) == [(42, "70 %, usually 50", 400, "")]  # the second time, it is known
     assert at_once(*torque, every_s=1) == [(35, "70 %, usually 50", 30, "")]  # after 5 s
     stands = access(5, "S-0-0390", "0xA0012")
     assert at_once(stands, *torque) == [(33, "70 %, usually 50", 310, "")]
+
+
+@pytest.mark.parametrize(
+    ("more", "count"),
+    [
+        ({"is_doubtful": True, "reaction": judged(0.06, 0.05, EXCEEDED)}, 1),
+        ({"is_doubtful": True, "reaction": judged(0.06, 0.05, UNRESOLVED)}, 0),  # perhaps
+        ({"signs": ("early",)}, 1),
+        ({"signs": ("against",)}, 0),
+        ({"is_refusal": True, "status": 2, "service": 0x12}, 1),
+        ({"is_refusal": True, "status": 1, "service": 0x11}, 0),  # it never knew it
+    ],
+)
+def test_what_is_only_a_note_is_not_told_at_once(more: dict[str, Any], count: int) -> None:
+    assert len(LiveEpisodes().add(packet(BEGIN_S, telegram(5, PLC, is_reaction=True, **more)))) == count
 
 
 def test_a_visitor_is_told_at_once_but_not_his_tokens() -> None:
