@@ -24,6 +24,8 @@ WORDS = b"\x05\x00\x05\x00"  # the length of a text, and the longest
         ("S-0-0135", b"\x00\xc0", ValueReading(None, "0xC000", "", 0xC000)),
         ("S-0-0051", b"\xff\xff\xff\xff", ValueReading(-1.0, "-1", RAW)),  # a position is a number
         ("S-0-0095", WORDS + b"A0012", ValueReading(None, '"A0012"')),
+        ("S-0-0095", b"\x04\x01\x04\x01" + b"A" * 260, ValueReading(None, '"' + "A" * 260 + '"')),
+        ("S-0-0095", b"A", ValueReading(None, '"A"')),
         ("S-0-0095", b"F228 Excess\0", ValueReading(None, '"F228 Excess"')),
         ("S-0-0095", b"\x05\x00\x05\x00A001", ValueReading(None, '"\x05\x00\x05\x00A001"')),  # its length is another
     ],

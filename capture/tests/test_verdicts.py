@@ -977,6 +977,10 @@ def test_slots_are_averages_in_bounded_memory() -> None:
     assert slots.points() == [(second + 0.5, second + 0.5) for second in range(0, 128, 2)]
     slots.add(128, 1.0)
     assert slots.points()[0] == (1.5, 1.5) and len(slots.points()) == 33
+    slots = Slots()
+    for second in (200, 100):  # a clock that was set back
+        slots.add(second, float(second))
+    assert slots.points() == [(100, 100.0), (200, 200.0)]
 
 
 # -- Beside a good capture -------------------------------------------------------------------------------------------
