@@ -290,6 +290,8 @@ CASES = (
     Case("drift", line((-30, -50)), f"station 3 {TORQUE}", "-10 %/h, -30 -> -50 % (not by chance)"),
     Case("drift", line((30, 54.68)), f"station 3 {TORQUE}", "+12.3 %/h, 30 -> 54.68 % (not by chance)"),
     Case("drift", line((1, 1.5)), f"station 3 {TORQUE}", "+0.25 %/h, 1 -> 1.5 % (not by chance)"),
+    Case("drift", line((0, 20)), f"station 3 {TORQUE}", "+10 %/h, 0 -> 20 % (not by chance)"),
+    Case("step", beside((0, 20)), f"station 3 {TORQUE}", "20 %, usually 0"),
     Case("drift", line((1.5, 1)), f"station 3 {TORQUE}", "-0.25 %/h, 1.5 -> 1 % (not by chance)"),
     Case("drift", line((30, 50), (60, 104)), f"stations 3, 4 {TORQUE}", "+22 %/h, 60 -> 104 % (not by chance)"),
     Case("chatter", flips(7), "station 5 P-0-0222", "7 changes between 0 and 1", 480.27, 540.45),

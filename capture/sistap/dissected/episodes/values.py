@@ -360,7 +360,7 @@ def _chatter(states: Sequence[_State]) -> Sequence[_State]:
     for first in range(len(begun) - _CHATTERS + 1):
         within = [one for one in begun[first:] if one.from_s - begun[first].from_s <= _CHATTER_S]
         rest_s = states[-1].to_s - states[0].from_s - (within[-1].from_s - within[0].from_s)
-        is_most = len(within) >= _CHATTERS and len(within) >= _FOLLOWS_USUALLY * len(begun)
+        is_most = len(within) >= _FOLLOWS_USUALLY * len(begun)
         if is_most and rest_s > within[-1].from_s - within[0].from_s:
             return within
     return ()
