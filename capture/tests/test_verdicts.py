@@ -324,6 +324,11 @@ CASES = (
     ),
     Case(
         "changed",
+        reads(*(undescribed(5, "P-0-0222", one) for one in [b"\1\2\3"] * 9 + [b"\1\2"]), every_s=10),
+        *("station 5 P-0-0222", "010203 -> 513 raw; still so when last read"),  # of another length
+    ),
+    Case(
+        "changed",
         reads(*(access(5, "P-0-0222", letter * 50) for letter in "AAB")),
         *("station 5 P-0-0222", f"{'A' * 40} -> {'B' * 40}; still so when last read"),
     ),

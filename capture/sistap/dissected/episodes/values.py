@@ -141,7 +141,7 @@ class Values:
         followed = self._of(parameter)
         if followed is None:
             return False
-        if followed.unit != said.unit and RAW in (followed.unit, said.unit):
+        if followed.unit and followed.unit != said.unit and RAW in (followed.unit, said.unit):
             beside = followed.beside  # in bytes, as ever
             followed = self._followed[parameter] = self._begin()  # its attribute was read: now it has another scale
             followed.beside = beside
