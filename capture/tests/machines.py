@@ -111,14 +111,14 @@ class Machine:
         self.has_panel = True
         self._is_described = is_described
         self._packets = packets
-        self._number = 0
+        self.times_s = [0.0]  # of packets, by number
         self._chance = random.Random(1)
 
     def put(self, *telegrams: Telegram, accesses: Iterable[Access] = (), after_s: float = 0.0, **more: Any) -> None:
         """Let a packet come."""
         self.now_s += after_s
-        self._number += 1
-        more = self._packets | {"accesses": [*accesses], "number": self._number} | more
+        more = self._packets | {"accesses": [*accesses], "number": len(self.times_s)} | more
+        self.times_s.append(self.now_s)
         self.engine.add(packet(self.now_s, *telegrams, **more))
 
     def event(self, event: Event, text: str = "") -> None:

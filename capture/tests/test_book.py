@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from sistap.dissected.episodes.book import MOST, Book
 from sistap.dissected.episodes.episode import PACKETS, Episode, Hit
 from sistap.dissected.episodes.rules import RULES
@@ -20,6 +22,29 @@ def test_hits_soon_after_one_another_are_one_episode_of_the_worst() -> None:
     first, last = book.episodes()
     assert (first.count, first.from_s, first.to_s, first.hit.worst) == (3, 0, 50, 50)
     assert (last.count, last.packets, last.filter) == (1, [501], "frame.number in {501}")
+
+
+@pytest.mark.parametrize(
+    ("kinds", "apart_s", "count"),
+    [
+        ("silent fault warning", 4, 1),
+        ("silent fault warning", 6, 2),
+        ("damaged line_error repeated unanswered interval cycle busy step unreadable", 25, 1),
+        ("damaged line_error repeated unanswered interval cycle busy step unreadable", 35, 2),
+        ("system_error warning_bit beyond apart again lost", 50, 1),
+        ("system_error warning_bit beyond apart again lost", 70, 2),
+        ("late error", 250, 1),
+        ("late error", 350, 2),
+        ("write master early", 500, 1),
+        ("write master early", 700, 2),
+        ("foreign rhythm never conflict unexpected against", 80_000, 1),  # all day
+        ("bus_silent gap off boot stopped vanished restart homing stuck changed chatter slower drift", 1, 2),  # states
+        ("exchanged other limit_write phase rate limits recipe clock estop blip adapter", 1, 2),
+    ],
+)
+def test_hits_of_a_kind_are_one_for_so_long(kinds: str, apart_s: float, count: int) -> None:
+    for kind in kinds.split():
+        assert len(Book().add((hit(0, kind), hit(apart_s, kind)))) == count, kind
 
 
 def test_the_memory_of_a_month_of_hits_is_bounded() -> None:

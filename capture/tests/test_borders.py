@@ -143,14 +143,56 @@ def test_what_falls_drifts_as_what_rises(sign: int) -> None:
     assert len(details(told(TORQUE, moving, every_s=30, unit="%"), "drift")) == 1
 
 
-@pytest.mark.parametrize(("ident", "count"), [("P-0-0123", 1), ("S-0-0036", 0)])
-def test_only_its_own_command_that_perhaps_nobody_took_is_lost(ident: str, count: int) -> None:
-    lost = do("silent", 3, columns={"sis.parameter": ident, "sis.service": "0x1f"})
-    speeds = told(SPEED, [1000.0] * 60), lost, told(SPEED, [500.0] * 30)
-    assert len(details(then(do("write", 3, "S-0-0036", 1000.0), *speeds), "apart")) == count
+@pytest.mark.parametrize(
+    ("station", "ident", "service", "more", "count"),
+    [
+        (3, "S-0-0036", "0x1f", {}, 0),
+        (4, "S-0-0036", "0x1f", {}, 1),
+        (3, "P-0-0123", "0x1f", {}, 1),
+        (3, "S-0-0036", "0x10", {}, 1),  # a read
+        (3, "S-0-0036", "0x1f", {"unanswered": False, "is_repeat": True}, 1),
+        (3, "S-0-0036", "0x1f", {"good": False}, 1),  # it was damaged
+    ],
+)
+def test_only_its_own_command_that_perhaps_nobody_took_is_lost(
+    station: int, ident: str, service: str, more: dict[str, bool], count: int
+) -> None:
+    columns = {"sis.parameter": ident, "sis.service": service}
+    lost = do("put", telegram(PLC, station, columns=columns, **{"unanswered": True} | more))
+    assert len(details(then(follows((1000, 60)), lost, told(SPEED, [500.0] * 30)), "apart")) == count
 
 
-@pytest.mark.parametrize(("scatter", "count"), [(0.3, 1), (4.0, 0)])
+def follows(*parts: tuple[float, int], every_s: float = 2.0) -> Play:
+    """Let a speed be so fast for so many reads, after a command of 1000."""
+    speeds = (told(SPEED, [rpm] * count, every_s=every_s) for rpm, count in parts)
+    return then(do("write", 3, "S-0-0036", 1000.0), *speeds)
+
+
+@pytest.mark.parametrize(
+    ("play", "count"),
+    [
+        (follows((1000, 55), (500, 30)), 1),
+        (follows((1000, 45), (500, 30)), 0),  # nobody knows yet that it follows
+        (follows(*[(1000, 10), (500, 1)] * 10, (500, 30)), 1),
+        (follows(*[(1000, 8), (500, 1)] * 13, (500, 30)), 0),  # near its command less often than nine times of ten
+        (follows((1000, 60), (500, 8), every_s=10), 1),
+        (follows((1000, 60), (500, 7), every_s=10), 0),  # too few reads
+        (then(follows((1000, 60)), *[follows((500, 1))] * 15), 1),  # commanded again and again
+        (then(told(SPEED, [1000] * 60), do("write", 4, "S-0-0036", 1000.0), told(SPEED, [500] * 30)), 0),  # another one
+        (then(told(SPEED, [1000] * 60), do("write", 3, "S-0-0080", 1000.0), told(SPEED, [500] * 30)), 0),
+        (then(do("exchange", access(3, "S-0-0036", 1000.0)), told(SPEED, [1000] * 60 + [500] * 30)), 1),  # it is read
+    ],
+)
+def test_a_value_is_apart_from_a_command_that_it_followed_until_then(play: Play, count: int) -> None:
+    assert details(play, "apart") == ["station 3 S-0-0040: 50 % below S-0-0036"] * count
+
+
+def test_a_drive_that_still_speeds_up_to_each_next_command_is_not_apart() -> None:
+    faster = (then(do("write", 3, "S-0-0036", rpm), told(SPEED, [rpm - 500] * 8)) for rpm in (2000.0, 3000.0, 4000.0))
+    assert details(then(follows((1000, 60)), *faster), "apart") == []
+
+
+@pytest.mark.parametrize(("scatter", "count"), [(3.2, 1), (4.0, 0)])
 def test_what_moved_less_than_its_noise_has_not_drifted(scatter: float, count: int) -> None:
     moving = [50 + 16 * number / 120 + one for number, one in enumerate(about(0, 120, by=scatter))]
     assert len(details(told(TORQUE, moving, every_s=30, unit="%"), "drift")) == count
@@ -161,6 +203,45 @@ def test_a_drive_stands_by_the_scale_of_its_speed() -> None:
     raw = undescribed(3, SPEED, (10_000_000).to_bytes(4, "little"))
     found = of(then(reads(*[raw] * 60, every_s=1), reads(*[access(3, SPEED, 1000.0)] * 60, every_s=1)))
     assert found.of("stopped") == []
+
+
+@pytest.mark.parametrize(
+    ("usual", "other", "count"),
+    [
+        ("0b0000000000000001", "0b0000000000000101", 1),
+        ("0x0010", "0x0011", 1),
+        ("0, 0, 1", "0, 0, 2", 1),
+        ("Auto", "1", 1),
+        ("1", "Auto", 1),
+        ("100 rpm", "104 rpm", 0),  # less than 5 %
+        ("100 rpm", "106 rpm", 1),
+        ("-100 rpm", "-104 rpm", 0),
+        ("-100 rpm", "-93.5 rpm", 1),
+        ("1e-05 A", "1.04e-05 A", 0),
+    ],
+)
+def test_bits_and_lists_are_alike_only_if_they_are_the_same(usual: str, other: str, count: int) -> None:
+    said = reads(*[access(5, "P-0-0222", text) for text in [usual] * 20 + [other] * 5 + [usual] * 5], every_s=10)
+    assert details(said, "changed") == [f"station 5 P-0-0222: {usual} -> {other}"] * count
+
+
+@pytest.mark.parametrize(("command", "rpm", "count"), [(1000.0, 8.0, 0), (-1000.0, 8.0, 0), (1000.0, 15.0, 1)])
+def test_a_drive_that_holds_its_place_while_others_run_moves_a_little(command: float, rpm: float, count: int) -> None:
+    """By less than a hundredth of its greatest command."""
+    machine = Machine()
+    for said, turns in ((command, command), (0.0, rpm)):
+        machine.write(3, "S-0-0036", said)
+        machine.turns[3] = turns
+        machine.run(150)
+    assert [one.detail for one in machine.told().of("apart")] == ["above S-0-0036"] * count
+
+
+def test_what_nobody_describes_is_not_apart_from_a_command_of_another_file() -> None:
+    def bytes_of(ident: str, *numbers: int) -> Play:
+        return reads(*(undescribed(3, ident, number.to_bytes(4, "little")) for number in numbers), every_s=1)
+
+    moves = then(bytes_of("S-0-0036", 1000), bytes_of(SPEED, *[1000] * 60), NEXT_FILE, bytes_of(SPEED, *[500] * 30))
+    assert details(moves, "apart") == []
 
 
 # -- Masters and writes ----------------------------------------------------------------------------------------------

@@ -33,9 +33,26 @@ def told(*episodes: Episode, begin: str = "22:00:00", end: str = "06:00:00") -> 
     return [line.text for line in lines(found, at(begin), at(end))]
 
 
-@pytest.mark.parametrize("kind", RULES)
-def test_each_kind_has_its_words(kind: str) -> None:
-    assert len(told(episode(kind, "23:10:00", station=4, detail="1 -> 2", worst=1.0))) >= 1
+LINES = {
+    "Bus": "foreign bus_silent unreadable adapter gap estop rhythm off boot stopped",
+    "Silent": "silent vanished restart",
+    "Drives": "fault homing system_error warning warning_bit stuck beyond apart chatter error never busy slower drift"
+    " step blip changed",
+    "Changed": "conflict limit_write exchanged other write master phase rate limits recipe",
+    "Limits": "again late interval cycle unexpected early damaged line_error lost repeated unanswered clock against",
+}
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_each_kind_stands_in_its_line(line: str) -> None:
+    for kind in LINES[line].split():
+        said = told(episode(kind, "23:10:00", station=4, detail="1 -> 2", worst=1.0))
+        found = [one.partition(":")[0] for one in said[1:] if not one.endswith(": nothing.")]
+        assert found == ([] if line == "Bus" else [line]), kind  # the bus is told in the first one
+
+
+def test_no_kind_is_without_a_line() -> None:
+    assert {kind for kinds in LINES.values() for kind in kinds.split()} == {*RULES}
 
 
 def test_a_night_in_five_lines() -> None:

@@ -137,11 +137,11 @@ def behind(rpm: float, seconds: int, *, is_named: bool = False) -> Play:
     return then(do("write", 3, "S-0-0036", 1000.0), reads(*said, every_s=0.97))
 
 
-def flips(count: int) -> Play:
-    """Let a switch change so often within two minutes; before and after, it rests."""
-    states = [0] * 8, [number % 2 for number in range(1, count + 1)], [count % 2] * 8
+def flips(count: int, every_s: float = 10.0, rests: int = 8) -> Play:
+    """Let a switch change so often; before and after, it rests for so many minutes."""
+    states = [0] * rests, [number % 2 for number in range(1, count + 1)], [count % 2] * rests
     still, changing, last = ([access(5, "P-0-0222", str(one)) for one in part] for part in states)
-    return then(reads(*still, every_s=60), reads(*changing, every_s=10), reads(*last, every_s=60))
+    return then(reads(*still, every_s=60), reads(*changing, every_s=every_s), reads(*last, every_s=60))
 
 
 def stamped(jump_s: float, since_s: float | None = 0.02) -> Play:
@@ -192,7 +192,9 @@ KNOWN = access(5, LIMIT, 3000.0)
 BIT = access(5, "S-0-0403", "0b0000000000000001"), access(5, "S-0-0403", "0b0000000000000000")
 IN_LIMITS: dict[str, Any] = {"minimum": "-3000 rpm", "maximum": "3000 rpm"}
 RISES = [35 + 22 * number / 120 + one for number, one in enumerate(about(0, 120, by=0.3))]
-SLIGHT = [50 + 8 * number / 120 + one for number, one in enumerate(about(0, 120, by=0.3))]  # by 15 %
+SLIGHT, CLEAR = (  # by 17 and 22 %
+    [50 + by * number / 120 + one for number, one in enumerate(about(0, 120, by=0.3))] for by in (9.5, 12.5)
+)
 LEVELS_OUT = [57 - 22 * 0.9**number + one for number, one in enumerate(about(0, 120, by=0.3))]
 RECIPE = ("P-0-0123", "P-0-0145", "P-0-0083", "S-0-0258")
 PARTS = about(50, 100), about(70, 30, seed=2), about(50, 100, seed=3)
@@ -237,6 +239,21 @@ def staircase(count: int) -> Play:
     """Let a number have so many levels; each is a little farther than the one before."""
     levels = (about(50 + 4 * number, 60 if number else 200, seed=number, by=0.1) for number in range(count))
     return told(TORQUE, [one for level in levels for one in level], unit="%")
+
+
+def rising(count: int, unit: str) -> Play:
+    """Let a number rise so often, each time after five minutes."""
+    return told("P-0-0300", [20.0 + number // 10 for number in range(10 * count + 10)], every_s=30, unit=unit)
+
+
+def falling_back(low: int) -> Play:
+    """Let a number rise from 0 to 30, and again from another one on."""
+    return told("P-0-0300", [float(one) for one in (*range(31), *range(low, low + 30)) for _ in range(4)], every_s=30)
+
+
+def besides(count: int) -> Play:
+    """Let a switch be beside its usual state so often, each time for one read; the last time, to the end."""
+    return reads(*[access(5, "P-0-0222", one) for one in (["1"] * 9 + ["0"]) * count], every_s=20)
 
 
 def rests(reads: int) -> Play:
@@ -321,7 +338,7 @@ CASES = (
     Case("silent", ERROR, then(run(30), do("silent", 4, 3)), then(run(30), do("silent", 4, 3, every_s=0.49))),
     Case("silent", ERROR, then(run(30), do("silent", 4, 9)), do("silent", 9, 9)),  # it never answered
     Case("silent", LOOK, do("silent", 9, 3), do("silent", 9, 2)),
-    Case("vanished", LOOK, then(run(420), run(80, has_panel=False)), then(run(420), run(50, has_panel=False))),
+    Case("vanished", LOOK, then(run(420), run(70, has_panel=False)), then(run(420), run(50, has_panel=False))),
     Case("vanished", LOOK, then(run(420), run(80, has_panel=False)), then(run(380), run(80, has_panel=False))),
     Case(
         *("vanished", LOOK),
@@ -360,6 +377,9 @@ CASES = (
     Case("apart", LOOK, behind(500, 23), behind(500, 20)),
     Case("apart", LOOK, behind(500, 65, is_named=True), behind(950, 65, is_named=True)),  # meanwhile somebody names it
     Case("chatter", LOOK, flips(6), flips(5)),
+    Case("chatter", LOOK, flips(6, every_s=50), flips(6, every_s=70)),
+    Case("chatter", LOOK, flips(6, every_s=50, rests=3), flips(6, every_s=50, rests=2)),  # it hardly rests
+    Case("chatter", LOOK, *(then(reads(*[access(5, "P-0-0222", "1")] * 8, every_s=60), flips(one)) for one in (10, 7))),
     Case("error", LOOK, refused(is_known=True), refused(is_known=False)),
     Case("error", LOOK, refused(is_known=False, is_write=True), refused(is_known=False)),
     Case("busy", NOTE, refused(is_known=True, code=BUSY), refused(is_known=True)),
@@ -368,10 +388,14 @@ CASES = (
     Case("never", NOTE, refused(is_known=False), refused(is_known=True)),
     Case("slower", LOOK, late(0.030), late(0.014)),
     Case("slower", LOOK, late(0.0075, 0.002), late(0.006, 0.002)),  # less than 5 ms
-    Case("slower", LOOK, late(0.075, 0.040), late(0.056, 0.040)),  # less than by half
+    Case("slower", LOOK, late(0.069, 0.040), late(0.058, 0.040)),  # less than by half
     Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, LEVELS_OUT, every_s=30, unit="%")),
-    Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, RISES, every_s=14, unit="%")),
-    Case("drift", NOTE, told(TORQUE, RISES, every_s=30, unit="%"), told(TORQUE, SLIGHT, every_s=30, unit="%")),
+    Case("drift", NOTE, told(TORQUE, RISES, every_s=17, unit="%"), told(TORQUE, RISES, every_s=14, unit="%")),
+    Case("drift", NOTE, told(TORQUE, CLEAR, every_s=30, unit="%"), told(TORQUE, SLIGHT, every_s=30, unit="%")),
+    Case("drift", NOTE, rising(14, "h"), rising(21, "h")),  # a counter
+    Case("drift", NOTE, rising(8, "h"), rising(7, "h")),  # a state
+    Case("drift", NOTE, falling_back(12), falling_back(6)),  # a counter that begins anew
+    *(Case("drift", NOTE, rising(30, unit), rising(30, "l")) for unit in ("°C", "°F", "degC", "deg F", "K")),
     Case("step", NOTE, told(TORQUE, PART, unit="%"), told(TORQUE, SMALL, unit="%")),  # 40 %; less than 5 %
     Case("step", NOTE, *(then(*(then(told(TORQUE, one, unit="%"), run(gap)) for one in PARTS)) for gap in (50, 90))),
     Case("step", NOTE, staircase(6), staircase(7)),  # what has many levels, changes
@@ -381,6 +405,10 @@ CASES = (
         reads(*[access(5, "P-0-0222", "1")] * 20, access(5, "P-0-0222", "0"), every_s=10),
         reads(*[access(5, "P-0-0222", "1")] * 21, every_s=10),
     ),
+    Case("changed", NOTE, told("P-0-0222", [1] * 7 + [0]), told("P-0-0222", [1] * 6 + [0])),  # a few numbers
+    Case("changed", NOTE, reads(*(access(5, "P-0-0222", one) for one in "AB")), told("P-0-0222", [0, 1])),
+    Case("changed", NOTE, *(told("P-0-0222", [0] * 40 + [*range(1, count)], every_s=60) for count in (8, 9))),
+    Case("changed", NOTE, besides(12), besides(13)),  # that is usual
     Case(
         *("conflict", LOOK),
         writes("P-0-0123", (PLC, 12), (PANEL, 15), (PLC, 12), (PANEL, 15)),

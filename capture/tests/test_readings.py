@@ -24,6 +24,8 @@ WORDS = b"\x05\x00\x05\x00"  # the length of a text, and the longest
         ("S-0-0135", b"\x00\xc0", ValueReading(None, "0xC000", "", 0xC000)),
         ("S-0-0051", b"\xff\xff\xff\xff", ValueReading(-1.0, "-1", RAW)),  # a position is a number
         ("S-0-0095", WORDS + b"A0012", ValueReading(None, '"A0012"')),
+        ("S-0-0095", b"\x04\x01\x04\x01" + b"A" * 260, ValueReading(None, '"' + "A" * 260 + '"')),
+        ("S-0-0095", b"A", ValueReading(None, '"A"')),
         ("S-0-0095", b"F228 Excess\0", ValueReading(None, '"F228 Excess"')),
         ("S-0-0095", b"\x05\x00\x05\x00A001", ValueReading(None, '"\x05\x00\x05\x00A001"')),  # its length is another
     ],
@@ -41,6 +43,8 @@ def test_bytes_that_nobody_describes(ident: str, data: bytes, expected: ValueRea
         ("S-0-0011", "0b", None, ValueReading(None, "0b", "rpm")),
         ("S-0-0390", "0x000F2028", 991272.0, ValueReading(None, "0x000F2028", "", 991272)),
         ("P-0-4000", "0x00FF", 255.0, ValueReading(None, "0x00FF", "", 255)),
+        ("S-0-0051", "100.0 rpm", 100.0, ValueReading(100.0, "100.0 rpm", "rpm")),  # a position
+        ("S-0-0095", '"F228"', None, ValueReading(None, '"F228"', "rpm")),
         ("S-0-0012", "4", 4.0, ValueReading(None, "4", "", 4)),
         ("S-0-0012", "", None, None),
     ],

@@ -13,8 +13,10 @@ from machines import (
     PANEL,
     PLC,
     RUNS,
+    SPEED,
     WARNING,
     Machine,
+    access,
     telegram,
     undescribed,
 )
@@ -324,6 +326,17 @@ def test_a_silence_of_two_directions_has_its_station() -> None:
     assert (silent.kind, silent.stations) == ("silent", {4})
 
 
+def test_a_command_that_perhaps_nobody_took_is_lost_in_two_directions_too() -> None:
+    machine = Duplex()
+    machine.write(3, "S-0-0036", 1000.0, port="RX")
+    for rpm in [1000.0] * 60 + [500.0] * 30:
+        if rpm < 1000:
+            machine.silent(3, columns={"sis.parameter": "S-0-0036", "sis.service": "0x1f"})
+        machine.exchange(access(3, SPEED, rpm, port="RX"))
+        machine.pause(1)
+    assert machine.told().of("apart") == []
+
+
 def test_each_port_is_a_bus_of_its_own() -> None:
     engine = Engine()
     first, second = (Machine(3, 4, 5, interface=name) for name in "ab")
@@ -357,3 +370,5 @@ def test_what_nobody_describes_is_compared_and_counted() -> None:
     told = machine.told()
     assert "station 5 P-0-4095 3000 -> 500 raw" in told.lines[2]
     assert machine.engine.undescribed == 1 + 3  # and the speeds
+    machine.run(60, access(5, "P-0-4095", 3000), access(5, "P-0-4096", 1))
+    assert machine.engine.undescribed == 3

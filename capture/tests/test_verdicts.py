@@ -6,6 +6,7 @@ test_kinds has what provokes a kind at all; here is what a person then reads. Ti
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from operator import methodcaller as do
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ from machines import (
     PANEL,
     PLC,
     SPEED,
+    STANDS,
     WARNING,
     Machine,
     access,
@@ -29,6 +31,7 @@ from machines import (
 from test_kinds import (
     IN_LIMITS,
     LIMIT,
+    PART,
     RISES,
     TORQUE,
     Play,
@@ -49,14 +52,15 @@ from test_kinds import (
     writes,
 )
 
+from sistap.dissected.accesses.access import Access
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.levels import Levels, goes_on
 from sistap.dissected.episodes.lines import lines
 from sistap.dissected.episodes.live import LiveEpisodes
 from sistap.dissected.episodes.machine import Machine as Drives
-from sistap.dissected.episodes.readings import ValueReading, reading
-from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Subject
+from sistap.dissected.episodes.readings import RAW, ValueReading, reading
+from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Subject, changed
 from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.trend import Slots, quartiles, trend
 from sistap.dissected.episodes.values import unlike
@@ -86,10 +90,44 @@ def refuse(service: int, status: int = 0xF0) -> Play:
     return reaction(service=service, is_refusal=True, status=status)
 
 
-def level(ident: str, middle: float, count: int, unit: str) -> Play:
+def level(ident: str, middle: float, count: int, unit: str, *stations: int) -> Play:
     """Let a number be near a middle, and every second time there."""
+    return told(ident, near(middle, count), *stations, unit=unit)
+
+
+def near(middle: float, count: int) -> Sequence[float]:
     beside = [step / 10 * sign for step in range(1, 6) for sign in (0, 1, 0, -1)]
-    return told(ident, [middle + beside[number % 20] for number in range(count)], unit=unit)
+    return [middle + beside[number % 20] for number in range(count)]
+
+
+def line(*ends: tuple[float, float]) -> Play:
+    """Let numbers of stations 3, 4 and so on go from one to another within two hours; each second time a little beside,
+    as a counter never does.
+    """
+
+    def play(machine: Machine) -> None:
+        for minute in range(0, 121, 2):
+            for station, (begin, end) in enumerate(ends, 3):
+                number = begin + (end - begin) * (minute / 120 + minute // 2 % 2 / 25)
+                machine.exchange(access(station, TORQUE, number, unit="%"))
+            machine.pause(120 - 0.03 * len(ends))
+
+    return play
+
+
+def beside(*steps: tuple[float, float]) -> Play:
+    """Let a number of stations 3, 4 and so on step for a minute, at once."""
+    numbers = [[*near(usual, 99), *near(other, 30), *near(usual, 99)] for usual, other in steps]
+    said = (
+        [access(station, TORQUE, one, unit="%") for station, one in enumerate(row, 3)]
+        for row in zip(*numbers, strict=True)
+    )
+    return then(*(then(reads(*row), pause(2)) for row in said))
+
+
+def standing(play: Play) -> Play:
+    """Let a machine stand from the beginning."""
+    return then(lambda machine: machine.all(STANDS, 0.0), run(60), play)
 
 
 def turns(rpm: float, count: int) -> Play:
@@ -100,6 +138,7 @@ def command(rpm: float) -> Play:
     return do("write", 3, "S-0-0036", rpm)
 
 
+NEXT_FILE = event(Event.CAPTURE_STARTED, f"tap{KEPT}late")
 SLOW = [reaction(20, reaction=judged(time_s, 0.05, 0)) for time_s in [0.010] * 45 + [0.030] * 45]
 
 
@@ -237,7 +276,25 @@ CASES = (
     Case("beyond", told(SPEED, [-3002], **IN_LIMITS), f"station 3 {SPEED}", "-3002 rpm, its minimum is -3000 rpm"),
     Case("apart", behind(500, 30), f"station 3 {SPEED}", "50 % below S-0-0036", 60.06, 89.06),
     Case("apart", behind(1250, 30), f"station 3 {SPEED}", "25 % above S-0-0036"),
-    Case("chatter", flips(7), "station 5 P-0-0222", "7 changes between 0 and 1"),
+    Case(
+        *("beyond", told(SPEED, [3001, 3500, 3100], **IN_LIMITS)),
+        *(f"station 3 {SPEED}", "3500 rpm, its maximum is 3000 rpm"),
+        *(0.03, 4.09),
+    ),
+    Case(
+        "beyond",
+        told(SPEED, [-3001, -3500, -3100], **IN_LIMITS),
+        *("station 3 S-0-0040", "-3500 rpm, its minimum is -3000 rpm"),
+    ),
+    Case("drift", line((30, 50)), f"station 3 {TORQUE}", "+10 %/h, 30 -> 50 % (not by chance)", 0.03, 7200.03),
+    Case("drift", line((-30, -50)), f"station 3 {TORQUE}", "-10 %/h, -30 -> -50 % (not by chance)"),
+    Case("drift", line((30, 54.68)), f"station 3 {TORQUE}", "+12.3 %/h, 30 -> 54.68 % (not by chance)"),
+    Case("drift", line((1, 1.5)), f"station 3 {TORQUE}", "+0.25 %/h, 1 -> 1.5 % (not by chance)"),
+    Case("drift", line((0, 20)), f"station 3 {TORQUE}", "+10 %/h, 0 -> 20 % (not by chance)"),
+    Case("step", beside((0, 20)), f"station 3 {TORQUE}", "20 %, usually 0"),
+    Case("drift", line((1.5, 1)), f"station 3 {TORQUE}", "-0.25 %/h, 1.5 -> 1 % (not by chance)"),
+    Case("drift", line((30, 50), (60, 104)), f"stations 3, 4 {TORQUE}", "+22 %/h, 60 -> 104 % (not by chance)"),
+    Case("chatter", flips(7), "station 5 P-0-0222", "7 changes between 0 and 1", 480.27, 540.45),
     Case(
         "changed",
         reads(
@@ -254,9 +311,99 @@ CASES = (
         *("station 5 P-0-0222", "1 -> 0; still so when last read"),
     ),
     Case(
+        "changed",
+        reads(*(access(5, "P-0-0222", f"{one} rpm") for one in [1000] * 9 + [1010] * 9 + [900]), every_s=10),
+        *("station 5 P-0-0222", "1010 rpm -> 900 rpm; still so when last read"),
+    ),
+    Case(
+        "changed",
+        reads(*[access(5, "P-0-0222", "0")] * 3, *[access(5, "P-0-0222", "1")] * 20, every_s=10),
+        "station 5 P-0-0222",
+        "0",
+        *(0.03, 30.12),
+    ),
+    Case(
+        "changed",
+        reads(*(undescribed(5, "P-0-0222", one) for one in [b"\1\2\3"] * 9 + [b"\1\2"]), every_s=10),
+        *("station 5 P-0-0222", "010203 -> 513 raw; still so when last read"),  # of another length
+    ),
+    Case(
+        "changed",
+        reads(*(access(5, "P-0-0222", letter * 50) for letter in "AAB")),
+        *("station 5 P-0-0222", f"{'A' * 40} -> {'B' * 40}; still so when last read"),
+    ),
+    Case(
         "step",
         then(*(level(TORQUE, *part, "%") for part in ((50.25, 99), (70.25, 30), (50.25, 99)))),
         *(f"station 3 {TORQUE}", "70.25 %, usually 50.25", 201.0, 259.87),
+    ),
+    Case(
+        "step",
+        then(*(level("P-0-0123", *part, "") for part in ((1050, 99), (1730, 30), (1050, 99)))),
+        *("station 3 P-0-0123", "1730, usually 1050"),
+    ),
+    Case(
+        "step",
+        standing(then(*(level("P-0-0123", *part, "bar") for part in ((110.5, 99), (130.5, 30), (110.5, 99))))),
+        *("station 3 P-0-0123", "130.5 bar, usually 110.5"),
+    ),
+    *(
+        Case(
+            "step",
+            then(
+                command(3),
+                *(
+                    told(SPEED, [at + one / 50 for one in near(0, count)], unit="m/s")
+                    for at, count in ((3, 99), (by, 30), (3, 99))
+                ),
+            ),
+            *(f"station 3 {SPEED}", f"0.5 m/s {where} S-0-0036"),
+        )
+        for by, where in ((2.5, "below"), (3.5, "above"))
+    ),
+    Case("step", beside((50, 20), (500, 700)), f"stations 3, 4 {TORQUE}", "20 %, usually 50"),  # by 60 and 40 %
+    Case(
+        *("step", then(command(-1000), turns(-1000, 99), turns(-900, 30), turns(-1000, 99))),
+        *(f"station 3 {SPEED}", "100 rpm above S-0-0036"),
+    ),
+    Case(
+        "step",
+        then(
+            turns(1000, 60),
+            command(1000),
+            turns(1000, 99),
+            turns(900, 30),
+            turns(1000, 99),
+            command(1200),
+            turns(1200, 60),
+        ),
+        *(f"station 3 {SPEED}", "100 rpm below S-0-0036"),
+    ),
+    Case(
+        "step",
+        then(
+            command(1000), turns(1000, 60), NEXT_FILE, command(1000), turns(1000, 99), turns(900, 30), turns(1000, 99)
+        ),
+        *(f"station 3 {SPEED}", "100 rpm below S-0-0036"),
+    ),
+    Case(
+        "step",
+        then(
+            reads(undescribed(3, "S-0-0036", bytes([128, 150, 152, 0]))),
+            turns(1000, 99),
+            turns(900, 30),
+            turns(1000, 99),
+        ),
+        *(f"station 3 {SPEED}", "900 rpm, usually 1000"),  # nobody knows the scale of its command
+    ),
+    Case(
+        "blip",
+        then(
+            level(TORQUE, 50.25, 60, "%", 3, 4, 5),
+            *(do("exchange", access(station, TORQUE, by, unit="%")) for station, by in ((3, 80), (4, 90), (5, 85)) * 2),
+            level(TORQUE, 50.25, 60, "%", 3, 4, 5),
+        ),
+        *(f"stations 3, 4, 5 {TORQUE}", "90 %, usually 50.25", 125.43, 125.58),
     ),
     Case(
         "step",
@@ -300,6 +447,10 @@ def test_what_is_said(case: Case) -> None:
     case.play(machine)
     (found,) = machine.told().of(case.kind)
     assert (found.who, found.detail) == (case.who, case.detail)
+    if case.kind in ("foreign", "drift", "slower"):
+        assert found.packets == []  # it is of the whole capture
+    elif case.kind not in ("bus_silent", "gap", "restart"):  # they begin with a silence
+        assert machine.times_s[found.packets[0]] == pytest.approx(found.from_s, abs=0.006)
     if case.from_s is not None:
         assert found.from_s - BEGIN_S == pytest.approx(case.from_s, abs=0.006)
     if case.to_s is not None:
@@ -324,9 +475,20 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("drift", told("S-0-0051", RISES, every_s=30, unit="mm")),  # a position
     ("master", turn(9, 200)),  # a control that takes turns
     ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
-    ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
+    ("step", then(command(1000), turns(1000, 90), NEXT_FILE, turns(1200, 90))),
     ("error", refuse(0x10)),  # what is asked for is not known
     ("changed", reads(*[access(5, "P-0-0222", one) for one in [1000] * 20 + [1010] * 5 + [1000] * 5], every_s=10)),
+    *(("changed", reads(*[access(5, ident, one) for one in "AAAB"])) for ident in ("S-0-0390", "S-0-0095", "S-0-0135")),
+    (
+        "changed",
+        then(reads(*[access(5, "P-0-0222", 1)] * 20), writes("P-0-0222", (PLC, 0)), reads(access(5, "P-0-0222", 0))),
+    ),
+    ("step", then(turns(1000, 60), command(1000), turns(1000, 60))),
+    *(("step", then(command(rpm), *(turns(rpm * part, 99) for part in (1, 0.97, 1)))) for rpm in (1000, -1000)),
+    ("step", then(do("write", 3, TORQUE, 50), told(TORQUE, PART, unit="%"))),  # somebody sets it
+    ("drift", then(do("write", 3, TORQUE, 50), line((30, 50)))),
+    ("beyond", do("write", 3, SPEED, 3001, **IN_LIMITS)),  # that tells nothing of what it is
+    ("beyond", reads(access(3, SPEED, "fast", **IN_LIMITS))),
     ("unreadable", then(*[then(do("noise"), reaction())] * 25)),  # two of three are telegrams
 )
 
@@ -409,6 +571,17 @@ def test_a_bus_that_is_unreadable_twice_is_told_twice() -> None:
     assert [one.from_s - BEGIN_S for one in found] == pytest.approx([60.2, 124.49])
 
 
+def test_a_drift_that_chance_may_make_says_so() -> None:
+    """Of 16 points, 8 pairs of neighbours fall: S = 120 - 16, and its deviation is sqrt(16*15*37/18) = 22.2."""
+    numbers = [30 + 2 * (number ^ 1) for number in range(16)]
+    machine, short = Machine(), Machine()
+    told(TORQUE, numbers, every_s=300, unit="%")(machine)
+    (drift,) = machine.told().of("drift")
+    told(TORQUE, numbers[:12], every_s=400, unit="%")(short)
+    assert short.told().of("drift") == []  # too few
+    assert int(drift.detail.rpartition(" ")[2].rstrip(")")) == pytest.approx(352_000, rel=0.01)  # 4.68 deviations
+
+
 def test_many_stops_are_one_phrase() -> None:
     machine = Machine()
     for _ in range(4):
@@ -416,6 +589,22 @@ def test_many_stops_are_one_phrase() -> None:
         machine.stop(60)
     machine.run(300)
     assert ". Machine stopped 4 times (" in machine.told().lines[0]
+
+
+def test_a_drive_whose_torque_rises_much_more_is_told_apart() -> None:
+    machine = Machine()
+    line((30, 50), (30, 55))(machine)
+    assert [one.who for one in machine.told().of("drift")] == [f"station {station} {TORQUE}" for station in (3, 4)]
+
+
+def test_what_drifted_in_a_good_capture_is_usual_there() -> None:
+    """Also if the tap was at another port."""
+    good = Machine(interface="a")
+    line((30, 50))(good)
+    good.finish()
+    machine = Machine(interface="b", before=good.engine)
+    line((30, 50), (30, 50))(machine)
+    assert [one.who for one in machine.told().of("drift")] == [f"station 4 {TORQUE}"]
 
 
 def test_states_of_long_ago_are_forgotten() -> None:
@@ -433,6 +622,49 @@ def test_what_begins_is_told_at_once() -> None:
         live.add(packet(BEGIN_S + n, telegram(5, PLC, is_reaction=True), accesses=[one])) for n, one in enumerate(said)
     ]
     assert [[hit.kind for hit in hits] for hits in found] == [[], ["fault"], [], ["fault"]]
+
+
+def at_once(*accesses: Access, every_s: float = 10.0) -> list[tuple[int, str, float, str]]:
+    """Return what is told of values, at once: with which of them, what, since when, its outcome."""
+    live = LiveEpisodes(THRESHOLDS._replace(learning_s=0.0))
+    found = []
+    for number, one in enumerate(accesses):
+        hits = live.add(packet(BEGIN_S + every_s * number, telegram(5, PLC, is_reaction=True), accesses=[one]))
+        found += [(number, hit.detail, hit.from_s - BEGIN_S, hit.outcome) for hit in hits]
+    return found
+
+
+def test_a_state_is_told_at_once_each_time_it_begins() -> None:
+    states = at_once(*(access(5, "P-0-0222", state) for state in "1111111110011101"))
+    assert states == [(9, "1 -> 0", 90, ""), (14, "1 -> 0", 140, "")]
+    numbers = at_once(*(access(5, "P-0-0222", number) for number in [1] * 9 + [0, 0, 1]))
+    assert numbers == [(9, "1 rpm -> 0 rpm", 90, "")]
+
+
+def test_a_level_is_told_when_it_lasts_and_once() -> None:
+    """A drive may stand from its beginning: then it has levels, too."""
+    torque = [access(5, TORQUE, number, unit="%") for number in (*near(50, 30), *near(70, 9))]
+    assert at_once(*torque) == [(32, "70 %, usually 50", 300, "")]
+    again = (access(5, TORQUE, number, unit="%") for middle in (50, 70, 50, 70) for number in near(middle, 40))
+    assert at_once(*again) == [(42, "70 %, usually 50", 400, "")]  # the second time, it is known
+    assert at_once(*torque, every_s=1) == [(35, "70 %, usually 50", 30, "")]  # after 5 s
+    stands = access(5, "S-0-0390", "0xA0012")
+    assert at_once(stands, *torque) == [(33, "70 %, usually 50", 310, "")]
+
+
+@pytest.mark.parametrize(
+    ("more", "count"),
+    [
+        ({"is_doubtful": True, "reaction": judged(0.06, 0.05, EXCEEDED)}, 1),
+        ({"is_doubtful": True, "reaction": judged(0.06, 0.05, UNRESOLVED)}, 0),  # perhaps
+        ({"signs": ("early",)}, 1),
+        ({"signs": ("against",)}, 0),
+        ({"is_refusal": True, "status": 2, "service": 0x12}, 1),
+        ({"is_refusal": True, "status": 1, "service": 0x11}, 0),  # it never knew it
+    ],
+)
+def test_what_is_only_a_note_is_not_told_at_once(more: dict[str, Any], count: int) -> None:
+    assert len(LiveEpisodes().add(packet(BEGIN_S, telegram(5, PLC, is_reaction=True, **more)))) == count
 
 
 def test_a_visitor_is_told_at_once_but_not_his_tokens() -> None:
@@ -610,8 +842,8 @@ def test_a_drive_stands_as_its_speed_says() -> None:
 # -- Levels, lines, and their chance ---------------------------------------------------------------------------------
 
 
-def levels(*parts: tuple[float, int], every_s: float = 2.0, by: float = 1.0) -> Levels:
-    made, number = Levels(), 0
+def levels(*parts: tuple[float, int], every_s: float = 2.0, by: float = 1.0, **thresholds: Any) -> Levels:
+    made, number = Levels(THRESHOLDS._replace(**thresholds)), 0
     for middle, count in parts:
         for _ in range(count):
             made.add(every_s * number, middle + by * ((0, 1, 0, -1)[number % 4]), number)
@@ -636,6 +868,13 @@ NOTE, LOOK = Severity.NOTE, Severity.WARNING
         (((100, 100), (120, 4), (100, 100)), [(200, 120, LOOK)]),
         (((100, 100), (140, 90), (100, 100), (140, 90), (100, 100), (140, 30)), [(200, 140, NOTE)]),  # rarely
         (((100, 100), (140, 90)) * 4, []),
+        ((*((100, 100), (120, 100)) * 4, (185, 50)), [(1600, 185, LOOK)]),  # by more than thrice the usual change
+        ((*((100, 100), (120, 100)) * 4, (175, 50)), []),
+        ((*((100, 100), (120, 100)) * 4, (35, 50)), [(1600, 35, LOOK)]),
+        ((*((100, 100), (120, 100)) * 4, (45, 50)), []),
+        (((100, 50), *((100, 4), (120, 4)) * 50, (200, 10), *((100, 4), (120, 4)) * 45), [(900, 200, LOOK)]),
+        # what has more than 200 levels just moves
+        (((100, 50), *((100, 4), (120, 4)) * 50, (200, 10), *((100, 4), (120, 4)) * 55), []),
     ],
 )
 def test_a_level_is_unusual(parts: Sequence[tuple[float, int]], found: Sequence[tuple[float, float, Severity]]) -> None:
@@ -644,7 +883,64 @@ def test_a_level_is_unusual(parts: Sequence[tuple[float, int]], found: Sequence[
 
 def test_noise_is_no_level() -> None:
     """Eight times the usual scatter: 1.48 median deviations, here of 1 and 0."""
-    assert unusual(levels((100, 200), (108, 50), (100, 200), by=2.0)) == []
+    assert unusual(levels((100, 200), (110, 50), (100, 200), by=2.0)) == []
+    assert len(unusual(levels((100, 200), (114, 50), (100, 200), by=2.0))) == 1
+
+
+def test_the_last_digit_of_a_constant_makes_no_levels() -> None:
+    """With many of them, none is rare."""
+    flickers = levels(*((50, 20), (50.1, 20)) * 5, (54, 20), (50, 20), by=0.0)
+    assert unusual(flickers) == [(400, 54, LOOK)]
+
+
+def test_levels_of_long_ago_are_forgotten() -> None:
+    for memory_s, found in ((1000, [2240]), (3000, [200, 2240])):
+        made = levels((100, 100), (140, 20), (100, 1000), (160, 20), memory_s=memory_s)
+        assert [from_s for from_s, *_ in unusual(made)] == found
+
+
+@pytest.mark.parametrize(("every", "found"), [(40, [(1802, 150, LOOK)]), (26, [])])
+def test_a_value_that_swings_farther_now_and_then_has_no_level_there(every: int, found: Sequence[Any]) -> None:
+    """Now and then: every thirtieth time at least."""
+    swings = [part for _ in range(900 // every) for part in ((100, every), (160, 1))]
+    assert unusual(levels(*swings, (150, 30), (100, 50), by=0.5)) == found
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_level_between_two_that_swing_and_far_from_both_is_none(sign: int) -> None:
+    """Levels of 0 and 20 make 60 more usual, and less."""
+    swings = [part for middle in (0, 20) * 3 for part in ((sign * middle, 15), (sign * 60, 1)) * 4]
+    assert unusual(levels(*swings, (sign * 70, 30), (0, 60), by=0.5)) == []
+
+
+@pytest.mark.parametrize(("alike", "times", "count"), [(3, 38, 1), (3, 65, 0), (5, 65, 1)])
+def test_what_mostly_moves_has_no_levels(alike: int, times: int, count: int) -> None:
+    """For more than a quarter of the time, more than a fifth of its values are elsewhere."""
+    moves = [part for _ in range(times) for part in ((140, alike), (170, 1))]
+    assert len(unusual(levels((100, 300), *moves, (100, 300), (300, 10), by=0.5))) == count
+
+
+@pytest.mark.parametrize(("every", "times", "count"), [(30, 1, 1), (20, 1, 0), (50, 2, 2), (25, 2, 0)])
+def test_a_peak_is_one_of_a_value_that_hardly_ever_has_any(every: int, times: int, count: int) -> None:
+    """In fifty values or more, one of fifty."""
+    made = levels(*((100, every), (160, 1)) * times, (100, every), by=0.0)
+    peaks = [(2.0 * every * number + 2 * (number - 1), 160) for number in range(1, times + 1)]
+    assert [(blip.from_s, blip.value) for blip in made.blips()] == peaks[:count]
+    assert levels((100, 90), (104.5, 2), (100, 90), by=0.0).blips() == []  # less than 5 %
+
+
+@pytest.mark.parametrize(
+    ("gaps_s", "found"), [((50, 70), [140, 160]), ((70, 50), [140, 160]), ((70, 70), [160]), ((50, 50), [140, 160])]
+)
+def test_a_level_is_one_if_it_was_read_shortly_before_or_after(gaps_s: Sequence[float], found: Sequence[float]) -> None:
+    made, second = Levels(), 0.0
+    parts = (100, gaps_s[0]), (140, gaps_s[1]), (100, 0), (160, 0), (100, 0)
+    for middle, gap_s in parts:
+        for value in near(middle, 60):
+            second += 2
+            made.add(second, value, 1)
+        second += gap_s
+    assert [value for _, value, _ in unusual(made)] == found
 
 
 def test_a_step_is_small_beside_later_noise() -> None:
@@ -660,6 +956,7 @@ def test_quartiles_have_weights() -> None:
     assert quartiles([(3.0, 1.0), (1.0, 1.0), (2.0, 1.0), (4.0, 1.0)]) == (1.0, 3.0)
     assert quartiles([(1.0, 1.0), (2.0, 9.0)]) == (2.0, 2.0)
     assert quartiles([(7.0, 1.0)]) == (7.0, 7.0)
+    assert quartiles([(float(value), 1.0) for value in range(1, 6)]) == (2.0, 4.0)
 
 
 def test_a_line_through_points() -> None:
@@ -676,7 +973,7 @@ def test_what_levels_out_does_not_go_on() -> None:
     def bent(slope: float) -> list[tuple[float, float]]:
         return [(float(x), 2.0 * min(x, 20) + slope * max(x - 20, 0)) for x in range(41)]
 
-    assert goes_on(bent(1.0), trend(bent(1.0)))  # 1.0 of 1.5 or so
+    assert goes_on(bent(0.6), trend(bent(0.6)))  # 0.6 of 1.3
     assert not goes_on(bent(0.4), trend(bent(0.4)))  # of 1.2
 
 
@@ -687,6 +984,10 @@ def test_slots_are_averages_in_bounded_memory() -> None:
     assert slots.points() == [(second + 0.5, second + 0.5) for second in range(0, 128, 2)]
     slots.add(128, 1.0)
     assert slots.points()[0] == (1.5, 1.5) and len(slots.points()) == 33
+    slots = Slots()
+    for second in (200, 100):  # a clock that was set back
+        slots.add(second, float(second))
+    assert slots.points() == [(100, 100.0), (200, 200.0)]
 
 
 # -- Beside a good capture -------------------------------------------------------------------------------------------
@@ -708,6 +1009,57 @@ def test_a_level_that_a_good_capture_does_not_have(good: int, bad: int, said: Se
     assert [hit.detail for hit in unlike(*sides)] == said
 
 
+P123, P145 = "P-0-0123", "P-0-0145"
+USUAL = then(level(P123, 1000, 99, "rpm", 3), level(P123, 600, 99, "rpm", 4), level(P145, 600, 99, "rpm", 3))
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "said"),
+    [
+        (USUAL, level(P123, 600, 99, "rpm"), [f"station 3 {P123} 600 rpm, 1000 in the good capture"]),
+        *(
+            (
+                level(P123, 23450, 99, unit),
+                level(P123, 12340, 99, unit),
+                [f"station 3 {P123} {said} in the good capture"],
+            )
+            for unit, said in (("", "12340, 23450"), (RAW, "12340 raw, 23450"))
+        ),
+        (USUAL, level(P123, 600, 99, RAW), []),  # on another scale
+        (USUAL, level("P-0-0124", 600, 99, "rpm"), []),
+        (then(command(1000), turns(1000, 99)), turns(600, 99), []),  # only one side tells what it follows
+        (turns(1000, 99), then(command(1000), turns(600, 99)), []),
+        (level(TORQUE, 50, 99, "%"), line((80, 50)), []),  # a drift, that is told
+        (
+            level(P123, 1000, 99, "rpm"),
+            then(level(P123, 1000, 99, "rpm"), level(P123, 600, 30, "rpm"), level(P123, 1000, 99, "rpm")),
+            [f"station 3 {P123} 600 rpm, usually 1000"],  # once
+        ),
+        (then(level(P123, 1000, 99, "rpm"), level(P123, 600, 99, "rpm")), level(P123, 600, 99, "rpm"), []),
+        (
+            then(USUAL, level(TORQUE, 50, 99, "%")),
+            then(level("P-0-0001", 9, 99, ""), level(P145, 9, 99, RAW), line((80, 50)), level(P123, 600, 99, "rpm")),
+            [f"station 3 {P123} 600 rpm, 1000 in the good capture"],
+        ),
+    ],
+)
+def test_what_a_good_capture_tells_of_a_level(good: Play, bad: Play, said: Sequence[str]) -> None:
+    before = Machine()
+    good(before)
+    before.finish()
+    machine = Machine(before=before.engine)
+    bad(machine)
+    assert [f"{one.who} {one.detail.partition(';')[0]}" for one in machine.told().of("step")] == said
+
+
+def test_a_level_is_far_from_a_good_one_beside_its_own_noise() -> None:
+    good = levels((100, 99), by=0.1)
+    assert [level.value for level in levels((112, 99), by=0.1).unlike(good)] == [112]
+    assert [*levels((112, 99), by=2.0).unlike(good)] == []  # eight times the scatter are 11.9, and 5 % of the good one
+    assert [level.value for level in levels((88, 99), by=0.1).unlike(good)] == [88]
+    assert [*levels((88, 99), by=2.0).unlike(good)] == []
+
+
 def test_what_follows_a_command_is_compared_beside_it() -> None:
     machines = Machine(), Machine()
     for machine, rpm in zip(machines, (1000, 900), strict=True):
@@ -719,6 +1071,30 @@ def test_what_follows_a_command_is_compared_beside_it() -> None:
         was, one.is_written = one.is_written, True  # what somebody writes is as it was told
         assert [*unlike(*sides)] == ([] if not was else [hit])
         one.is_written = was
+
+
+# -- Thresholds ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("silence=3", "'silence=3' is not NAME=VALUE with a NAME of: bus_silent_s, "),
+        ("again=1.5", "again takes a whole number from 0 on, not '1.5'"),
+        ("again=-1", "again takes a whole number from 0 on, not '-1'"),
+        ("silent_s=inf", "silent_s takes a number from 0 on, not 'inf'"),
+        ("silent_s=nan", "silent_s takes a number from 0 on, not 'nan'"),
+        ("silent_s", "silent_s takes a number from 0 on, not ''"),
+    ],
+)
+def test_a_threshold_that_is_none_says_why(text: str, said: str) -> None:
+    with pytest.raises(ValueError, match=f"^{re.escape(said)}"):
+        changed(THRESHOLDS, text)
+
+
+def test_one_threshold_is_changed() -> None:
+    assert changed(THRESHOLDS, "again=0") == THRESHOLDS._replace(again=0)
+    assert changed(THRESHOLDS, "silent_s=1e3") == THRESHOLDS._replace(silent_s=1000.0)
 
 
 # -- An episode ------------------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ _FADING = 0.97  # of the usual scatter, for each _LEAST values: a drive that sta
 _MOVING = 0.25  # strays, and the time with so many: in between, a value that moves only seems to rest
 _GOES_ON = 0.4  # of the slope of all, in the second half: else it levels out
 _BLIPS = 40  # that are remembered
-_CALM, _RARE = 50, 0.02  # so many values, of which so few are alone outside
+_RARE = 0.02  # of the values are alone outside
 _SWINGS = 0.03  # of the values are strays: it swings as far in each cycle
 _RESOLUTION = 0.005  # of the level: what scatters less is a constant
 
@@ -123,8 +123,8 @@ class Levels:
     def _next(self) -> None:
         """Begin a level with the values outside of the last one."""
         outside, self._outside = self._outside, []
-        self._levels[-1].to_s = max(self._levels[-1].to_s, self._levels[-1].from_s)
-        self._levels.append(Level(outside[0][0], outside[-1][0], outside[0][2]))
+        from_s, _, packet = outside[0]
+        self._levels.append(Level(from_s, from_s, packet))
         self._recent.clear()
         for time_s, value, _ in outside:
             self._take(time_s, value)
@@ -159,7 +159,7 @@ class Levels:
 
     def blips(self) -> Sequence[Level]:
         """Return short peaks of a value that hardly ever leaves its level: too short for a level, but it was far."""
-        is_calm = self.count >= _CALM and self._strays < _RARE * self.count
+        is_calm = self._strays < _RARE * self.count
         return [one for one in self._blips if abs(one.value - self.usual) > self._least(self.usual)] if is_calm else []
 
     def unlike(self, good: Levels) -> Iterator[Level]:

@@ -19,7 +19,7 @@ _SHORT_CODE = 5  # hexadecimal digits of a diagnosis; longer ones are SERCOS III
 _CLASS_AT = -5
 _TEXT_CODE = re.compile(r'"?\s*([A-Z][0-9A-F]{3,4})\b')
 _RUNNING = 0x100  # A0101, A101: an operation mode; below are the states ready, halt and others
-_BINARY = re.compile(r"0b([01 ]*[01])")  # words may follow: "(clear)"
+_BINARY = re.compile(r"0b[01 ]*[01]")  # words may follow: "(clear)"
 _HEX = re.compile(r"0x0*([0-9A-Fa-f]+)")
 
 
@@ -39,7 +39,7 @@ def reading(access: Access) -> ValueReading | None:
     if not access.is_raw:
         form = FORMS.get(access.parameter.ident, "")
         if binary := _BINARY.match(access.value):
-            return ValueReading(None, access.value, "", int(binary[1].replace(" ", ""), 2))
+            return ValueReading(None, access.value, "", int(binary[0].replace(" ", ""), 2))
         if access.number is not None and (access.value.startswith("0x") or _is_bits(form)):
             return ValueReading(None, access.value, "", int(access.number))
         return ValueReading(access.number, access.value, access.unit)
@@ -71,14 +71,14 @@ def _raw(ident: str, data: str) -> ValueReading | None:
     if len(content) not in _LENGTHS:
         return ValueReading(None, data)
     number = int.from_bytes(content, "little")
-    if form and _is_bits(form):
+    if _is_bits(form):
         return ValueReading(None, f"0x{number:0{_DIGITS * len(content)}X}", "", number)
     signed = int.from_bytes(content, "little", signed=True)
     return ValueReading(float(signed), str(signed), RAW)
 
 
 def _text(content: bytes) -> str:
-    if len(content) >= _WORDS and int.from_bytes(content[:2], "little") + _WORDS == len(content):
+    if int.from_bytes(content[:2], "little") + _WORDS == len(content):
         content = content[_WORDS:]
     return f'"{content.decode("latin-1").rstrip(chr(0))}"'
 
@@ -91,7 +91,7 @@ def code_of(ident: str, text: str) -> str:
         return found[1] if found else ""
     found = _HEX.match(text)
     digits = found[1].upper() if found else ""
-    if not digits and text.isdigit():
+    if text.isdigit():
         digits = f"{int(text):X}"
     return digits if class_of(digits) else ""
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import statistics
 from collections.abc import Sequence
@@ -24,12 +25,8 @@ def quartiles(weighted: Sequence[tuple[float, float]]) -> tuple[float, float]:
 
 
 def _within(ordered: Sequence[tuple[float, float]], wanted: float) -> float:
-    passed = 0.0
-    for value, weight in ordered:
-        passed += weight
-        if passed >= wanted:
-            return value
-    return ordered[-1][0]
+    sums = itertools.accumulate(weight for _, weight in ordered)
+    return next(value for (value, _), passed in zip(ordered, sums, strict=True) if passed >= wanted)
 
 
 class Trend(NamedTuple):
@@ -44,8 +41,7 @@ def trend(points: Sequence[tuple[float, float]]) -> Trend:
     """Return the line by Theil and Sen: the middle of all slopes; and the chance by Mann and Kendall."""
     slopes = [
         (after[1] - before[1]) / (after[0] - before[0])
-        for number, before in enumerate(points)
-        for after in points[number + 1 :]
+        for before, after in itertools.combinations(points, 2)
         if after[0] > before[0]
     ]
     slope = statistics.median(slopes)

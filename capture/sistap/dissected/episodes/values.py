@@ -36,7 +36,8 @@ _WRAPPED = 0.7  # of its range: a counter that falls so far begins anew
 _FALLS = 0.01  # of its rises: fewer are such wraps, or somebody has reset it
 _TEMPERATURE = re.compile(r"(°|deg ?)[CF]|K")
 _NUMBER = re.compile(r"[-+]?\d+(\.\d*)?(e[-+]?\d+)?")
-_NEAR, _KNOWN = 0.1, 50  # of the command; readings until it is known to follow
+_NEAR, _REST = 0.1, 0.01  # of the command; of the greatest one: so much moves what rests
+_KNOWN = 50  # readings until it is known to follow
 _APART_S, _APART = 20.0, 8  # seconds and readings: shorter is a ramp
 _FOLLOWS_USUALLY = 0.9  # of the readings near the command
 _CHATTERS, _CHATTER_S = 6, 300.0  # changes within a time, of a state that otherwise rests
@@ -57,6 +58,7 @@ class _Beside:
     """A value beside the command that it follows."""
 
     command: int | None = None  # bytes as a number: both have the same scale (S-0-0044 to S-0-0046)
+    greatest: int = 0  # command until now
     near: int = 0
     far: int = 0  # until now, without those in a row
     row: int = 0
@@ -92,13 +94,18 @@ class _Followed:
     @property
     def is_known_state(self) -> bool:
         """Tell whether they were read again and again. Three numbers that differ say nothing."""
-        return self.is_state and (self.last is None or self.reads >= _READ_AGAIN * len(self.values))
+        return self.last is None or self.reads >= _READ_AGAIN * len(self.values)
 
     @property
     def is_counter(self) -> bool:
         """Tell whether it only rises. A machine that warms up is no counter."""
         is_rising = self.rises >= _RISES and self.falls <= _FALLS * self.rises
         return is_rising and not _TEMPERATURE.search(self.unit)
+
+    def lose_command(self) -> None:
+        """Forget what is commanded: values are compared again from the next command on."""
+        self.is_command_lost |= self.command is not None
+        self.beside.command = None
 
 
 class Values:
@@ -125,7 +132,7 @@ class Values:
             self._lose_commands()
         for telegram in packet.telegrams:
             if telegram.unanswered and telegram.good and passes(WRITE.tests, telegram.columns):
-                self._lose_command(packet.interface, telegram)
+                self._lose_command(telegram)
         return ()
 
     def take(self, packet: Packet, access: Access, said: ValueReading, *, is_running: bool | None) -> bool:
@@ -138,7 +145,7 @@ class Values:
             beside = followed.beside  # in bytes, as ever
             followed = self._followed[parameter] = self._begin()  # its attribute was read: now it has another scale
             followed.beside = beside
-        followed.unit = said.unit or followed.unit
+        followed.unit = said.unit
         if access.is_raw and parameter.ident not in FORMS:
             self._raw.add(parameter)
         elif self._raw:
@@ -163,12 +170,11 @@ class Values:
         """Return what is surely wrong with a number: beyond the limits that the drive told, or far from its command."""
         if access.is_write:
             return ()
-        has_limits = said.number is not None and (access.minimum or access.maximum)
-        hits = list(_beyond(packet, access, said.number or 0.0)) if has_limits else []
-        if access.parameter.ident in FOLLOWS and is_running is not False:
+        hits = [] if said.number is None else [*_beyond(packet, access, said.number)]
+        if is_running is not False:
             followed = self._followed.get(access.parameter)
             raw = raw_number(access)
-            if followed and raw is not None and followed.beside.command is not None and not followed.is_command_lost:
+            if followed and raw is not None and followed.beside.command is not None:
                 hits += _apart(followed.beside, packet, access.parameter, raw, followed.beside.command)
         return hits
 
@@ -193,6 +199,7 @@ class Values:
         raw = raw_number(access)
         if raw != followed.beside.command:
             followed.beside.command, followed.beside.row, followed.beside.since_s = raw, 0, None
+            followed.beside.greatest = max(followed.beside.greatest, abs(raw or 0))
         followed.is_command_lost = False
         if said.number is None or said.unit == RAW:
             return
@@ -205,13 +212,13 @@ class Values:
     def _lose_commands(self) -> None:
         """Forget commands: nobody has heard the last ones."""
         for followed in self._followed.values():
-            followed.is_command_lost |= followed.command is not None
+            followed.lose_command()
 
-    def _lose_command(self, port: str, telegram: Telegram) -> None:
+    def _lose_command(self, telegram: Telegram) -> None:
         for parameter, followed in self._followed.items():
-            is_here = (parameter.port, station_of(parameter)) == (port, telegram.listener)
-            if is_here and FOLLOWS.get(parameter.ident) == telegram.columns.get("sis.parameter"):
-                followed.is_command_lost = followed.command is not None
+            is_asked = station_of(parameter) == telegram.listener
+            if is_asked and FOLLOWS.get(parameter.ident) == telegram.columns.get("sis.parameter"):
+                followed.lose_command()
 
     def _state(self, followed: _Followed, packet: Packet, value: str) -> bool:
         """Take a state; tell whether it begins."""
@@ -294,7 +301,7 @@ def _beyond(packet: Packet, access: Access, number: float) -> Iterator[Hit]:
 def _apart(beside: _Beside, packet: Packet, parameter: Parameter, raw: int, command: int) -> Iterator[Hit]:
     """Yield that a value is far from its command for a while, if it usually follows it."""
     apart = raw - command
-    if abs(apart) <= _NEAR * abs(command):
+    if abs(apart) <= max(_NEAR * abs(command), _REST * beside.greatest):
         beside.near += 1
         beside.far += beside.row
         beside.row, beside.since_s = 0, None
@@ -340,9 +347,9 @@ def _changes(parameter: Parameter, followed: _Followed, thresholds: Thresholds) 
 
 
 def _is_like(value: str, usual: str, least: float) -> bool:
-    """Tell whether two states are the same, or numbers that differ by no more than a part."""
+    """Tell whether two states are the same, or numbers that differ by no more than a part. Bits and lists are none."""
     one, other = _NUMBER.match(value), _NUMBER.match(usual)
-    if value == usual or not one or not other or value.startswith("0x"):
+    if not one or not other or value[one.end() :] != usual[other.end() :]:
         return value == usual
     return abs(float(one[0]) - float(other[0])) <= least * abs(float(other[0]))
 
@@ -353,7 +360,7 @@ def _chatter(states: Sequence[_State]) -> Sequence[_State]:
     for first in range(len(begun) - _CHATTERS + 1):
         within = [one for one in begun[first:] if one.from_s - begun[first].from_s <= _CHATTER_S]
         rest_s = states[-1].to_s - states[0].from_s - (within[-1].from_s - within[0].from_s)
-        is_most = len(within) >= _CHATTERS and len(within) >= _FOLLOWS_USUALLY * len(begun)
+        is_most = len(within) >= _FOLLOWS_USUALLY * len(begun)
         if is_most and rest_s > within[-1].from_s - within[0].from_s:
             return within
     return ()
@@ -400,9 +407,8 @@ def _number(value: float, digits: int = 4) -> str:
 
 
 def _beside(value: float, usual: float, unit: str) -> str:
-    """Write a value beside the usual one, with as many digits as tell them apart."""
-    digits = next((digits for digits in (4, 6, 9) if _number(value, digits) != _number(usual, digits)), 12)
-    return f"{_number(value, digits)} {unit}, usually {_number(usual, digits)}".replace(" ,", ",")
+    """Write a value beside the usual one."""
+    return f"{_number(value)} {unit}, usually {_number(usual)}".replace(" ,", ",")
 
 
 def _hit(kind: str, parameter: Parameter, packet: int, from_s: float, to_s: float) -> Hit:
@@ -424,7 +430,9 @@ def unlike(good: Values, bad: Values) -> Iterator[Hit]:
             continue  # that is told
         beside = "" if followed.command is None else f" beside {FOLLOWS[parameter.ident]}"
         for level in followed.levels.unlike(before.levels):
-            detail = f"{level.value:.5g} {followed.unit}{beside}, {before.levels.usual:.5g} in the good capture"
-            where = station_of(parameter), parameter.ident, detail.replace("  ", " ")
+            detail = (
+                f"{_number(level.value)} {followed.unit}{beside}, {_number(before.levels.usual)} in the good capture"
+            )
+            where = station_of(parameter), parameter.ident, detail.replace("  ", " ").replace(" ,", ",")
             place = "step", level.packet, level.from_s, level.to_s
             yield Hit(*place, *where, level.value, Severity.NOTE, parameter.port, str(parameter))
