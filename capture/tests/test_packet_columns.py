@@ -11,13 +11,16 @@ from typing import Any, cast
 import pytest
 from no_tap import NoTap
 
+from sistap.dissected.accesses.access import accesses
 from sistap.dissected.captures.portions import Begin, Portion
+from sistap.dissected.packets.apart import apart
 from sistap.dissected.packets.dissection import Dissection, Packet, packet_of
 from sistap.dissected.packets.kept import Kept, Span
 from sistap.dissected.wireshark.rows import EVENT, FRAME, JOINT, OTHER
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event
+from sistap.tap.terminal.console import visible
 
 READ = {"frame.number": "7", "sis.start": "0x02", "sis.checksum.status": "1", "sis.service": "0x10", "sis.talker": "1"}
 
@@ -149,6 +152,48 @@ def test_what_only_the_second_telegram_says_is_its_own() -> None:
     assert [(one.talker, one.status) for one in packet.telegrams] == [(1, None), (3, 1)]
 
 
+def test_values_are_dealt_out_by_what_the_later_telegrams_say() -> None:
+    """Of three: the last alone is about a parameter, and the second alone says a phase, and two statuses."""
+    columns = {
+        "frame.number": "7",
+        "sis.start": several("0x02", "0x02", "0x02"),
+        "sis.status": several("0x00", "0x01", "0x02", "0x03"),
+        "sis.talker": several("3", "4", "5"),
+        "sis.command_in": "6",
+        "sis.phase": "4",
+        "sis.parameter": "S-0-0036",
+        "sis.packed": several(
+            "sis.phase=1 sis.start=1 sis.status=2 sis.talker=1", "sis.parameter=1 sis.start=1 sis.status=1 sis.talker=1"
+        ),
+        "sis.value": "",
+    }
+    assert apart(columns, 3) == [
+        {"sis.start": "0x02", "sis.status": "0x00", "sis.talker": "3", "sis.command_in": "6"},
+        {"sis.start": "0x02", "sis.status": several("0x01", "0x02"), "sis.talker": "4", "sis.phase": "4"},
+        {"sis.start": "0x02", "sis.status": "0x03", "sis.talker": "5", "sis.parameter": "S-0-0036"},
+    ]
+
+
+def test_what_stands_in_the_place_of_a_telegram_is_none() -> None:
+    columns = {
+        "sis.start": several("0x02", "0x02"),
+        "sis.raw": "ff",
+        "sis.packed": several("sis.raw=1", "sis.start=1"),
+    }
+    assert apart(columns, 2) == [{"sis.start": "0x02"}, {"sis.start": "0x02"}]
+
+
+def test_what_cannot_be_dealt_out_is_left_out() -> None:
+    """An empty text is not printed, so one of these is missing."""
+    said = {"sis.value": "1", "sis.start": several("0x02", "0x02"), "sis.packed": "sis.start=1 sis.value=2"}
+    assert apart(said, 2) == [{"sis.start": "0x02"}, {"sis.start": "0x02"}]
+
+
+def test_an_older_dissector_does_not_say_what_is_of_which() -> None:
+    said = {"sis.start": several("0x02", "0x02"), "sis.talker": several("1", "3"), "sis.status": "0x01"}
+    assert [(one.talker, one.status) for one in packet_of(READ | said).telegrams] == [(1, None), (3, None)]
+
+
 def test_other_words_of_a_telegram() -> None:
     (one,) = of(
         sis__repeat_of="3", sis__phase=several("4", "2"), sis__control__error="True", sis__listener="3"
@@ -156,9 +201,69 @@ def test_other_words_of_a_telegram() -> None:
     assert (one.is_repeat, one.phase, one.has_system_error, one.listener, one.unanswered) == (True, "4", True, 3, False)
     (other,) = of(sis__command__unanswered="1", sis__reaction__again="x", sis__twm__early="x").telegrams
     assert (other.unanswered, other.is_repeat, other.signs) == (True, False, ("again", "early"))
-    said = {"station": "3", "device": 4, "parameter": "S-0-0036", "access": "read", "value": "1 rpm", "number": 1.0}
-    (access,) = of(sis__access=json.dumps(said), frame__interface_name="COM3").accesses
-    assert (access.parameter, access.number) == (("COM3", "3", 4, "S-0-0036"), 1.0)
+
+
+# -- Reads and writes ------------------------------------------------------------------------------------------------
+
+PLACED = {"station": "3/2/8", "device": 4, "parameter": "S-0-0036"}
+NAMED = {"name": "Velocity", "unit": "rpm", "minimum": "-9 rpm", "maximum": "8 rpm"}
+
+
+@pytest.mark.parametrize(
+    ("said", "expected"),
+    [
+        (
+            {"access": "write", "master": 0, "value": "1 rpm", "number": 1.0, "data": "10270000"} | NAMED,
+            (True, 0, "", "1 rpm", 1.0, "10270000", "Velocity", "rpm", "-9 rpm", "8 rpm", False, None),
+        ),
+        (
+            {"access": "read", "master": 127, "value": "01", "data": "01", "raw": True},
+            (False, 127, "", "01", None, "01", "", "", "", "", True, None),
+        ),
+        ({"access": "read", "error": "0x7002"}, (False, None, "0x7002", "", None, None, *[""] * 4, False, None)),
+        (
+            {"access": "read", "value": "0", "number": 0, "text": "0"},
+            (False, None, "", "0", 0, None, *[""] * 4, False, "0"),
+        ),
+    ],
+)
+def test_what_is_said_of_a_read_or_write(said: dict[str, Any], expected: tuple[object, ...]) -> None:
+    (found,) = of(sis__access=json.dumps(PLACED | said), frame__interface_name="COM3").accesses
+    assert (found.parameter, found[1:]) == (("COM3", "3/2/8", 4, "S-0-0036"), expected)
+
+
+def test_a_packet_may_tell_several_or_none() -> None:
+    """A list of services has several. One that another version has written, or that is long, hides no other."""
+    texts = [{"access": "read", "value": value} for value in ("1", "2" * 1000, "3")]
+    told = several(*(json.dumps(PLACED | text) for text in texts[:2]), "?", json.dumps(PLACED | texts[2]))
+    assert [one.value for one in of(sis__access=told).accesses] == ["1", "2" * 1000, "3"]
+    assert of().accesses == []
+
+
+ODD_TEXT = 'a\\b \\\\ \\u0041 \\n "q" \xa0\xe4\u2409'  # as the plugin shows it; a no-break space cannot be seen
+
+
+@pytest.mark.parametrize("is_doubled", [False, True], ids=["4.0", "4.2"])
+def test_a_text_with_quotes_and_backslashes(is_doubled: bool) -> None:
+    """`-T fields` doubles each backslash since Wireshark 4.2; the tap, and 4.0, do not."""
+    escaped = "".join(c if c.isalnum() and c.isascii() else f"\\u{ord(c):04x}" for c in ODD_TEXT)
+    row = f'{{"access":"read","master":16,"station":"3","device":5,"parameter":"S-0-0030","value":"{escaped}"}}'
+    row = row.replace("\\", "\\\\") if is_doubled else row
+    assert [access.value for access in accesses("", row)] == [visible(ODD_TEXT)]
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_an_access_that_nobody_understands_is_left_out(number: int) -> None:
+    texts = '{"value":"\\x"}', "{}", "[]", "1", "{", '{"access":"read","number":' + "1" * 5000 + "}"
+    assert list(accesses("", texts[number])) == []
+
+
+@pytest.mark.parametrize("digits", ["1" * 400, "-" + "1" * 400 + ".5"], ids=["integer", "decimals"])
+def test_a_number_that_is_too_large(digits: str) -> None:
+    """The ASCII protocol has digits without an end."""
+    row = f'{{"access":"read","station":"3","device":5,"parameter":"S-0-0030","value":"{digits}","number":{digits}}}'
+    (access,) = accesses("", row)
+    assert (access.number, access.value) == (None, digits)
 
 
 # -- Several captures ------------------------------------------------------------------------------------------------

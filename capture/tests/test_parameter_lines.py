@@ -99,6 +99,11 @@ def test_who_asked() -> None:
     assert [access(3, SPEED, 1.0, master=master).by for master in (0, 127, None)] == ["0", "127", "ASCII"]
 
 
+@pytest.mark.parametrize(("value", "plain"), [(0.0, 0.0), ("on", "on"), ("", None)])
+def test_a_value_for_programs_has_no_unit(value: str | float, plain: str | float | None) -> None:
+    assert access(3, SPEED, value).plain == plain
+
+
 def test_accesses_that_do_not_fit_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(listing, "MOST", 1)
     made = listed(access(3, SPEED, 1.0), access(4, SPEED, 1.0), access(4, SPEED, 1.0))
