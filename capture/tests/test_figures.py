@@ -7,17 +7,21 @@ kept if I + u <= L; and whether I or I less a character counts, no document says
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, cast
 
 import pytest
 from machines import BEGIN_S, LAPTOP, PLC, access, judged, packet, telegram
+from portable import BERLIN, WINDOWS, zone
 
-from sistap.commands.report import tables, windows
+from sistap.commands.report import plots, tables, windows
 from sistap.commands.report.figures import Figures
 from sistap.commands.report.gather import Report
 from sistap.commands.report.unjudged import unjudged
 from sistap.commands.report.windows import ReportWindow
+from sistap.dissected.draw.panel import Area, Strokes
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.packets.dissection import EXCEEDED, OK, UNRESOLVED, Dissection, Judged, Packet, Telegram
 from sistap.dissected.packets.distribution import Distribution, Slices
@@ -62,6 +66,11 @@ def paused(time_ms: float, limit_ms: float | None = 2.0, verdict: int | None = O
     return answered(pause=judged(time_ms * MS, limit_s, verdict), pause_position=place)  # type: ignore[arg-type]
 
 
+@pytest.fixture(autouse=True)
+def _in_berlin(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    yield from zone(monkeypatch, BERLIN)
+
+
 # -- TzA: intervals by talker ----------------------------------------------------------------------------------------
 
 
@@ -82,10 +91,11 @@ def test_each_interval_is_a_share_of_the_limit_that_held() -> None:
 
 
 def test_of_equal_ones_the_first_counts_also_where_packets_are_counted_together() -> None:
-    alike, times = object(), ((0.0001, 1.2, 5), (0.0002, 1.5, 7), (0.0003, 1.5, 9))  # all in one slice of the curves
-    packets = [at(second, paused(time_ms, place=place), number=place) for second, time_ms, place in times]
-    packets[0].alike = packets[2].alike = alike
-    assert row(tables.pauses(report(*packets)), "Before character") == "7"
+    for second_ms, expected in ((1.5, "7"), (1.4, "9")):
+        alike, times = object(), ((0.0001, 1.2, 5), (0.0002, second_ms, 7), (0.0003, 1.5, 9))  # all in one slice
+        packets = [at(second, paused(time_ms, place=place), number=place) for second, time_ms, place in times]
+        packets[0].alike = packets[2].alike = alike
+        assert row(tables.pauses(report(*packets)), "Before character") == expected
 
 
 @pytest.mark.parametrize(
@@ -99,10 +109,27 @@ def test_it_is_whole_ms(longest_ms: float, safe: str, alone: str) -> None:
 
 
 def test_without_an_uncertainty_nobody_knows_what_is_safe() -> None:
-    figures = [at(0, paused(1.2)), at(1, paused(1.5), uncertainty_s=None)]
-    table = tables.pauses(report(*figures))
-    assert (row(table, "Longest interval"), row(table, "With its uncertainty")) == ("1.500 ms", "")
-    assert row(table, "Smallest safe TzA") == row(table, "If only the pause counts") == "not known"
+    table = tables.pauses(report(*[at(0, paused(1.2))] * 6, at(1, paused(1.5), uncertainty_s=None)))
+    assert table.rows == [("3", "9600 Bd", "7", "1.500 ms", "5", "", "", "not known", "not known", "", "")]
+
+
+def test_each_interval_has_the_uncertainty_of_its_own_record() -> None:
+    """1.2 ms may be 2.2 ms, 1.5 ms at most 1.8 ms."""
+    table = tables.pauses(report(at(0, paused(1.2), uncertainty_s=MS), at(1, paused(1.5))))
+    assert (row(table, "Longest interval"), row(table, "With its uncertainty")) == ("1.500 ms", "2.200 ms")
+
+
+def test_no_tza_is_below_a_millisecond() -> None:
+    """The times of a logic analyser are as good as exact, and there was no pause between the characters."""
+    table = pauses(paused(1.145), uncertainty_s=0.0)
+    assert (row(table, "Smallest safe TzA"), row(table, "If only the pause counts")) == ("2 ms", "1 ms")
+
+
+def test_of_a_talker_without_an_interval_nothing_is_known() -> None:
+    """Its records are cut, say. Where only the place is not known, the interval is told."""
+    nothing, old = pauses(telegram(0, PLC)), pauses(answered(pause=judged(1.2 * MS, 2 * MS, OK)))
+    assert nothing.rows == [("0", "9600 Bd", "0", "not measured", "", "", "", "not known", "not known", "", "")]
+    assert (row(old, "Longest interval"), row(old, "Before character")) == ("1.200 ms", "")
 
 
 @pytest.mark.parametrize(("count", "text"), [(5, ""), (6, "fewer than 1 in 2"), (3000, "fewer than 1 in 1000")])
@@ -128,8 +155,9 @@ def test_what_would_decide_the_unresolved(times_ms: Sequence[float], text: str) 
 
 def test_a_rate_that_nobody_knows() -> None:
     """Then no character time is known: what only the pause could decide depends on what counts."""
-    table = pauses(paused(3.2, 2.0, UNRESOLVED), baud=None)
-    assert row(table, "Rate") == "" and row(table, "Unresolved") == "1; 1 depends on where TzA begins to count"
+    table = tables.pauses(report(at(0, paused(1.2)), at(1, paused(3.2, 2.0, UNRESOLVED), baud=None)))
+    assert [one[1] for one in table.rows] == ["", "9600 Bd"]
+    assert row(table, "Unresolved") == "1; 1 depends on where TzA begins to count"
 
 
 def test_talkers_and_rates_are_told_apart_and_lost_or_damaged_telegrams_are_not_counted() -> None:
@@ -141,6 +169,7 @@ def test_talkers_and_rates_are_told_apart_and_lost_or_damaged_telegrams_are_not_
             at(3, paused(9.0), errors=int(Flag.LOST_BEFORE), intervals_s=[9 * MS]),
             at(4, paused(9.0), intervals_s=[9 * MS], same_read=1),  # all came in one read
             at(5, answered(good=False, pause=judged(9 * MS, 2 * MS, OK)), intervals_s=[9 * MS]),
+            at(6, paused(9.0), paused(9.0), intervals_s=[9 * MS]),  # two in a record: nobody knows whose it is
         )
     )
     assert [one[:4] for one in table.rows] == [
@@ -153,20 +182,32 @@ def test_talkers_and_rates_are_told_apart_and_lost_or_damaged_telegrams_are_not_
 def test_places_in_a_telegram() -> None:
     """From the 24th character on, places are counted together."""
     long = [1 * MS] * 22 + [3 * MS, 5 * MS]  # before characters 2 to 25
-    table = tables.places(report(at(0, paused(5), intervals_s=long), at(1, paused(2), intervals_s=[2 * MS])))
+    made = report(at(0, paused(5), intervals_s=long), at(1, paused(2), intervals_s=[2 * MS]))
+    table = tables.places(made)
     assert table.rows[0] == ("2", "2", "1.500 ms", "2.000 ms", "2.000 ms")
     assert table.rows[1] == ("3", "1", "1.000 ms", "1.000 ms", "1.000 ms")
     assert table.rows[-1] == ("24 and later", "2", "4.000 ms", "5.000 ms", "5.000 ms")
-    assert len(table.rows) == 23
+    assert len(table.rows) == 23 and made.figures.pauses.intervals.count == 25  # each once, however often it is asked
 
 
 def test_all_intervals_of_telegrams_together() -> None:
-    """Also of damaged ones; not of what came in one read."""
+    """Also of damaged ones, and where two are in a record; not of what came in one read."""
     records = [paused(1), answered(good=False), paused(1)]
-    made = report(*(at(n, one, intervals_s=[n * MS, 2 * MS], same_read=n) for n, one in enumerate(records, 0)))
+    made = report(
+        *(at(n, one, intervals_s=[n * MS, 2 * MS], same_read=n) for n, one in enumerate(records)),
+        at(4, paused(1), paused(1), intervals_s=[4 * MS, 6 * MS]),
+    )
     intervals = made.figures.pauses.intervals
-    assert (intervals.count, intervals.longest_s) == (4, 2 * MS)
-    assert intervals.average_s == pytest.approx(1.25 * MS)
+    assert (intervals.count, intervals.longest_s) == (6, 6 * MS)
+    assert intervals.average_s == pytest.approx(2.5 * MS)
+
+
+def test_a_lane_of_a_talker_has_the_limits_that_held() -> None:
+    drawing = plots.pauses_by_talker(report(at(0, paused(1.2, 4.0)), at(1, paused(1.2, 2.0)), at(2, paused(1.2, None))))
+    assert drawing
+    ((panel,),) = drawing.draw()
+    (red,) = (mark for mark in panel.marks if isinstance(mark, Strokes))
+    assert sorted(red.at) == [2 * MS, 4 * MS]
 
 
 # -- Stations, services, verdicts ------------------------------------------------------------------------------------
@@ -196,6 +237,44 @@ def test_stations() -> None:
     ]
 
 
+def test_each_station_has_its_own_longest_interval() -> None:
+    """Station 5 never pauses as long as 3, and 3 exceeds TzA at two rates."""
+    made = report(
+        *(at(n, paused(20, 2.0, EXCEEDED), baud=baud) for n, baud in enumerate((9600, 19200))),
+        at(2, telegram(5, PLC, is_reaction=True, pause=judged(1.2 * MS, 2 * MS, OK))),
+        at(3, telegram(PLC, 5)),
+    )
+    table = tables.stations(made)
+    heads = "Station", "Longest interval in a telegram", "TzA exceeded"
+    assert [[row(table, head, number) for head in heads] for number in range(3)] == [
+        ["1", "", "0"],
+        ["3", "20.000 ms", "2"],
+        ["5", "1.200 ms", "0"],
+    ]
+
+
+def test_station_0_and_service_0_are_like_others() -> None:
+    """Service 0x00 is the identification."""
+    asked, unanswered = telegram(PLC, 0, service=0), telegram(PLC, 0, service=0, unanswered=True)
+    reaction = telegram(0, PLC, is_reaction=True, service=0, reaction=judged(10 * MS, 50 * MS, OK))
+    made = report(at(0, asked), at(0.1, reaction), at(1, unanswered))
+    assert tables.stations(made).rows[0][:8] == ("0", "0", "1", "0", "0", "1", "10.000 ms", "10.000 ms")
+    assert [(one[0][:5], one[1]) for one in tables.services(made).rows] == [("0x00 ", "1")]
+
+
+def test_all_telegrams_of_a_packet_count() -> None:
+    """Two commands and two reactions in two packets, as TCP packs them: the second station refuses."""
+    asked = at(0, telegram(PLC, 3), telegram(PLC, 4))
+    refusal = telegram(4, PLC, is_reaction=True, is_refusal=True, reaction=judged(30 * MS, 50 * MS, OK))
+    made = report(asked, at(0.1, answered(judged(10 * MS, 50 * MS, OK)), refusal))
+    assert said(tables.summary(made))["Telegrams"] == "4, 0 of them with a wrong checksum or none"
+    assert [one[:8] for one in tables.stations(made).rows] == [
+        ("1", "2", "0", "0", "0", "0", "", ""),
+        ("3", "0", "1", "0", "0", "0", "10.000 ms", "10.000 ms"),
+        ("4", "0", "1", "1", "0", "0", "30.000 ms", "30.000 ms"),
+    ]
+
+
 def test_a_reaction_without_a_service_is_in_no_row_of_services() -> None:
     made = report(at(0, answered(judged(10 * MS, 50 * MS, OK), service=None)))
     assert tables.services(made).rows == []
@@ -208,10 +287,22 @@ def test_reactions_that_could_not_be_measured_are_said_to_be() -> None:
     assert shown == {"1": "", "3": "not measured"}
 
 
-def test_refusals_that_are_alike_count_each() -> None:
-    alike: Any = object()  # as packets have it that say the same
-    refused = [at(second, answered(is_refusal=True, status=1), alike=alike) for second in range(3)]
-    assert row(tables.stations(report(*refused)), "With an error") == "3"
+def test_telegrams_that_are_alike_count_each() -> None:
+    """As packets have it that say the same."""
+    commands, reactions = object(), object()
+    late = tuple(fault for fault in FAULTS if fault.name == "trs_exceeded")
+    refusal = answered(judged(60 * MS, 50 * MS, EXCEEDED), is_refusal=True, status=1)
+    made = report(
+        *(at(n, telegram(PLC, 3, is_repeat=True, unanswered=True), alike=commands) for n in range(3)),
+        *(at(n + 0.5, refusal, alike=reactions, faults=late) for n in range(3)),
+    )
+    assert tables.stations(made).rows == [
+        ("1", "3", "0", "0", "3", "0", "", "", "", "0", "0"),
+        ("3", "0", "3", "3", "0", "3", "60.000 ms", "60.000 ms", "", "3", "0"),
+    ]
+    found = {name: (count, bool(do)) for name, count, _, do in tables.faults(made).rows}
+    assert found.pop("Reaction later than TrS") == ("3", True)
+    assert {*found.values()} == {("0", False)}
 
 
 def test_reaction_times_by_service_and_verdicts() -> None:
@@ -226,6 +317,26 @@ def test_reaction_times_by_service_and_verdicts() -> None:
     ]
     assert tables.verdicts(made).note.startswith("1 unresolved: the times are uncertain by 0.300 ms. ")
     assert said(tables.summary(made))["Telegrams"] == "9, 1 of them with a wrong checksum or none"
+
+
+def test_half_and_nearly_all_of_a_hundred_reactions() -> None:
+    """They take 1 to 100 ms."""
+    made = report(*(at(n, answered(judged(n * MS, 200 * MS, OK))) for n in range(1, 101)))
+    (service,) = tables.services(made).rows
+    assert service[1:7] == ("100", "1.000 ms", "50.500 ms", "50.000 ms", "99.000 ms", "100.000 ms")
+    assert tables.stations(made).rows[0][6:8] == ("50.000 ms", "100.000 ms")
+
+
+def test_why_verdicts_are_unresolved() -> None:
+    marker = at(0, type=EVENT, event=int(Event.MARKER), text="latency timer 255 ms")
+    taps = started("FT232R (ftdi_sio, latency timer 1 ms)"), started("FT232R (ftdi_sio, latency timer 16 ms)")
+    late = answered(judged(50 * MS, 50 * MS, UNRESOLVED))
+    notes = [tables.verdicts(report(marker, *taps, at(1, late, uncertainty_s=one))).note for one in (0.016, None)]
+    assert notes[0].startswith(
+        "1 unresolved: the times are uncertain by 16.000 ms. The latency timer of the adapter was 16 ms. "
+    )
+    assert notes[1].startswith("1 unresolved: nobody knows how exact the times are. The latency")
+    assert tables.verdicts(report(marker, *taps)).note == ""
 
 
 def test_where_no_limit_is_known_nothing_is_said_to_be_kept() -> None:
@@ -263,6 +374,8 @@ def test_how_exact_the_times_are() -> None:
     assert exact(0.0003, None, None) == "0.300 ms; unknown in 2 records"
     assert exact(None) == "unknown"
     assert exact() == "there are no times of characters"
+    beside = report(at(0, telegram(PLC, 3)), at(1, type=OTHER))
+    assert said(tables.summary(beside))["Uncertainty of the times"] == "0.300 ms"
 
 
 def test_records_of_all_kinds() -> None:
@@ -278,7 +391,18 @@ def test_records_of_all_kinds() -> None:
 
 def test_ports_have_their_names() -> None:
     assert said(tables.summary(report(at(0, interface="COM3"), at(1, interface="COM4"))))["Ports"] == "COM3, COM4"
-    assert said(tables.summary(report(at(0))))["Ports"] == "not named"
+    nothing = said(tables.summary(report(at(0, baud=None))))
+    assert (nothing["Ports"], nothing["Line"]) == ("not named", "not known")
+
+
+def test_when_it_began() -> None:
+    """In Berlin. Who has no clock writes any number for the time."""
+    assert said(tables.summary(report(at(0))))["Began"] == "2026-11-24 07:00:00 +0100"
+    assert tables.clock(report(at(0)).figures, 61.0625) == "07:01:01.062"
+    odd = report(packet(1e20, telegram(PLC, 3)), episodes=[Episode.of(Hit("late", 1, 1e20, 1e20, 3))])
+    assert said(tables.summary(odd))["Began"] == row(tables.episodes(odd), "From") == "a time in no calendar"
+    assert tables.clock(odd.figures, 1.0) == "" and not tables.legend(odd).startswith("Times")
+    assert said(tables.summary(report()))["Began"] == "there is no packet"
 
 
 def test_intervals_in_one_read() -> None:
@@ -291,14 +415,39 @@ def test_intervals_in_one_read() -> None:
 
 
 def test_silences_are_those_above_200_ms_and_of_the_longest_the_first_counts() -> None:
-    silences = (0.2, 0.201, 0.5, 0.5, 0.3)
-    records = [at(n, telegram(PLC, 3, silence=Judged(one, None, None))) for n, one in enumerate(silences)]
-    made = report(*reversed(records))
-    assert said(tables.summary(made))["Silences above 200 ms"] == "4"
-    assert (made.figures.silences.longest_s, made.figures.silences.before) == (0.5, 21)
+    silences = (0.0, 0.2, 0.201, 0.5, 0.5, 0.3)
     alike: Any = object()  # as packets have it that say the same
-    polls = [at(n, telegram(PLC, 3, silence=Judged(0.3, None, None)), alike=alike) for n in range(3)]
-    assert said(tables.summary(report(*polls)))["Silences above 200 ms"] == "3"
+    each, polls = (
+        [at(n, telegram(PLC, 3, silence=Judged(one, None, None)), **more) for n, one in enumerate(silences)]
+        for more in ({}, {"alike": alike})
+    )
+    for made in (report(*each), report(*reversed(each)), report(*polls)):
+        assert said(tables.summary(made))["Silences above 200 ms"] == "4"
+        assert (made.figures.silences.longest_s, made.figures.silences.before) == (0.5, 31)
+    assert report(at(0, telegram(PLC, 3))).figures.silences.before is None
+
+
+def test_the_whole_capture_shows_who_talked_when_and_the_faults() -> None:
+    """Over 4 s, a step is 16 ms: what came within one is together."""
+    errors = tuple(fault for fault in FAULTS if fault.name == "line_error")
+    drawing = plots.overview(
+        report(
+            *(at(0, telegram(PLC, 3)) for _ in range(2)),
+            at(1, telegram(PLC, 3, load_percent=40.0)),
+            at(2, answered(load_percent=0.0), faults=errors),
+            at(4, telegram(PLC, 3)),
+        )
+    )
+    assert drawing
+    (upper,), (lower,) = drawing.draw()
+    (load,) = (mark for mark in upper.marks if isinstance(mark, Area))
+    assert [*itertools.chain(*load.points)] == pytest.approx([1.0, 40.0, 2.0, 0.0], abs=0.016)
+    master, station = (mark for mark in lower.marks if isinstance(mark, Area))
+    heights = [(round(x, 1), round(y - master.base, 2)) for x, y in master.points[::2] if y > master.base]
+    assert heights == [(0.0, 0.8), (1.0, 0.4), (4.0, 0.4)]
+    assert [round(x, 1) for x, y in station.points[::2] if y > station.base] == [2.0]
+    (red,) = (mark for mark in lower.marks if isinstance(mark, Strokes))
+    assert [*red.at] == pytest.approx([2.0], abs=0.016)
 
 
 def test_events_of_the_tap_are_the_first_twenty() -> None:
@@ -308,9 +457,11 @@ def test_events_of_the_tap_are_the_first_twenty() -> None:
     assert table.rows[2][:2] + table.rows[2][3:] == ("21", "2.000000", "Marker", "2")
 
 
-@pytest.mark.parametrize(("lasts_s", "length"), [(86_400, 12), (86_401, 23)])
-def test_beyond_a_day_a_time_has_its_date(lasts_s: float, length: int) -> None:
-    assert len(tables.clock(report(at(0), at(lasts_s)).figures, 1.5)) == length
+@pytest.mark.parametrize(("lasts_s", "day"), [(86_399, ""), (86_401, "2026-11-24 ")])
+def test_beyond_a_day_a_time_has_its_date(lasts_s: float, day: str) -> None:
+    made = report(at(0), at(lasts_s), episodes=[Episode.of(Hit("late", 1, BEGIN_S + 1, BEGIN_S + 1, 3))])
+    assert tables.clock(made.figures, 1.5) == f"{day}07:00:01.500"
+    assert row(tables.episodes(made), "From") == f"{day}07:00:01"
 
 
 SAYS, DENIES = "line errors at their character", "no line errors are reported"  # the adapter, as a capture begins
@@ -328,9 +479,19 @@ REMARKS: Sequence[tuple[str, Callable[[], Report]]] = (
     ("TrS was not set (service 0x03) while this was captured", lambda: report(at(0, answered(Judged(1, None, None))))),
     ("TzA was not set (service 0x03) while this was captured", lambda: report(at(0, paused(1, None, None)))),
     ("The packet numbers count through all 2 files", lambda: report(at(0), files=2)),
+    ("A recorder kept these files one by one", lambda: report(started(f"a tap{KEPT}late"), files=2)),
     (
-        "A recorder kept these files one by one",
-        lambda: report(at(0, type=EVENT, event=int(Event.CAPTURE_STARTED), text=f"a tap{KEPT}late"), files=2),
+        "b.pcapng: only what comes before the damage",
+        lambda: report(at(0), left_out=["b.pcapng: only what comes before the damage"]),
+    ),
+    (
+        "The limits TrS = 9 ms were given for this capture (--tza, --trs). They apply until",
+        lambda: report(at(0, type=EVENT, event=int(Event.LIMITS_TOLD), text="TrS = 9 ms")),
+    ),
+    ("Judged by TzA = 2 ms, as given for this report", lambda: replace(report(at(0)), limits_ms={"tza": 2})),
+    (
+        "The installed dissector does not know sis.a, sis.b; what they would tell is left out.",
+        lambda: replace(report(at(0)), missing=["sis.a", "sis.b"]),
     ),
     ("The adapter reports no line errors: damaged", lambda: report(started(DENIES))),
     (
@@ -346,20 +507,54 @@ REMARKS: Sequence[tuple[str, Callable[[], Report]]] = (
 
 @pytest.mark.parametrize(("text", "make"), REMARKS, ids=lambda one: one[:30] if isinstance(one, str) else "")
 def test_what_a_reader_has_to_know(text: str, make: Callable[[], Report]) -> None:
-    quiet = report(
-        started(SAYS),
-        at(0, type=EVENT, event=int(Event.MARKER), text=DENIES),
-        at(0, telegram(PLC, 3)),
-        at(0.1, answered(judged(10 * MS, 50 * MS, OK))),
-    )
     assert any(one.startswith(text) for one in tables.remarks(make()))
-    assert not any(one.startswith(text) for one in tables.remarks(quiet))
 
 
-def test_damage_with_line_errors_is_explained() -> None:
-    errors = tuple(fault for fault in FAULTS if fault.name == "line_error")
-    made = report(started(SAYS), at(1, answered(good=False)), at(2, faults=errors))
-    assert not any("there is not one line error" in one for one in tables.remarks(made))
+LINE_ERROR = tuple(fault for fault in FAULTS if fault.name == "line_error")
+QUIET: Sequence[tuple[str, Callable[[], Report], list[str]]] = (
+    (
+        "all is well",
+        lambda: report(
+            started(SAYS),
+            at(0, type=EVENT, event=int(Event.MARKER), text=DENIES),
+            at(0, telegram(PLC, 3)),
+            at(0.1, answered(judged(10 * MS, 50 * MS, OK))),
+        ),
+        [],
+    ),
+    ("noise beside", lambda: report(at(0, telegram(PLC, 3)), at(1, type=OTHER)), []),
+    ("nothing", report, ["The capture has no packets."]),
+    (
+        "damage with line errors",
+        lambda: report(started(SAYS), at(1, answered(good=False)), at(2, faults=LINE_ERROR)),
+        [],
+    ),
+    ("damage, of an adapter unknown", lambda: report(started("a tap"), at(1, answered(good=False))), []),
+    (
+        "damage at one of two adapters",
+        lambda: report(started(SAYS), started(DENIES), at(1, answered(good=False))),
+        ["The adapter reports no line errors: damaged characters look like good ones."],
+    ),
+    ("one file of a recorder", lambda: report(started(f"a tap{KEPT}late"), at(0, telegram(PLC, 3))), []),
+    (
+        "two files of a ring",
+        lambda: report(started("a tap"), at(0, telegram(PLC, 3)), files=2),
+        [
+            "The packet numbers count through all 2 files in the order of their time. "
+            "`mergecap -a -w all.pcapng FILES` makes the capture that has them."
+        ],
+    ),
+    (
+        "an older dissector",
+        lambda: replace(report(at(0, answered(Judged(0.01, None, None)))), missing=["sis.trs.limit"]),
+        ["The installed dissector does not know sis.trs.limit; what they would tell is left out."],
+    ),
+)
+
+
+@pytest.mark.parametrize(("make", "expected"), [one[1:] for one in QUIET], ids=[one[0] for one in QUIET])
+def test_what_he_has_not_to_know(make: Callable[[], Report], expected: list[str]) -> None:
+    assert tables.remarks(make()) == expected
 
 
 def test_one_unmeasured_reaction_of_a_hundred_does_not_matter() -> None:
@@ -380,7 +575,11 @@ def test_parameters() -> None:
     wrote = access(3, "S-0-0040", 6.0, is_write=True, master=LAPTOP)
     refused = access(3, "S-0-0040", "", error="0x7002")
     made = report(*(at(n, accesses=[one]) for n, one in enumerate([*values, wrote, refused])))
-    (only,) = tables.parameters(made).rows
+    table = tables.parameters(made)
+    (only,) = table.rows
+    assert (table.title, table.links) == ("Parameters", {(0, 0): "parameter0"})
+    (curve,) = made.figures.curves.moved().values()
+    assert [(point.begin_s, point.last) for point in curve.points] == [(0, 7), (1, 9), (2, 5), (3, 6)]
     assert only == (
         *("S-0-0040", "station 3, device 4", "", "rpm", "3", "1", "1"),
         *("7.0 rpm", "6.0 rpm", "5.0 rpm", "9.0 rpm", "127", "31"),
@@ -398,8 +597,8 @@ def test_episodes_have_a_duration_in_words() -> None:
         found = Episode.of(Hit("late", 7, BEGIN_S, BEGIN_S + seconds, 3))
         return row(tables.episodes(report(at(0), episodes=[found])), "Duration")
 
-    spans = (0.9, 1.0, 9.94, 299, 300, 7199, 7200, 7320)
-    assert [*map(lasting, spans)] == ["", "1.0 s", "9.9 s", "299 s", "5 min", "120 min", "2 h 0 min", "2 h 2 min"]
+    spans = (0.9, 1.0, 9.94, 299, 300, 7199, 7200, 36_120)
+    assert [*map(lasting, spans)] == ["", "1.0 s", "9.9 s", "299 s", "5 min", "120 min", "2 h 0 min", "10 h 2 min"]
 
 
 def test_in_several_files_an_episode_is_found_by_its_time() -> None:
@@ -461,16 +660,25 @@ def test_an_answer_with_nothing_in_it() -> None:
     foreign = Episode.of(Hit("foreign", 0, BEGIN_S, BEGIN_S, detail="none of 5 records is a telegram"))
     assert tables.answer(report(episodes=[foreign]))[0].startswith("NOT OK, ")
     assert tables.answer(report(at(0, telegram(PLC, 3))))[0].startswith("OK, ")
+    began_before = report(episodes=[Episode.of(Hit("late", 1, BEGIN_S, BEGIN_S, 3))])  # and ended later, --since
+    assert tables.legend(began_before).startswith("Times: UTC") and row(tables.episodes(began_before), "Count") == "1"
 
 
 def test_short_names_in_the_answer_are_explained() -> None:
     late = Episode.of(Hit("late", 1, BEGIN_S, BEGIN_S, 3, "", "60.000 ms, TrS 50 ms"))
+    foreign = Episode.of(Hit("foreign", 0, BEGIN_S, BEGIN_S, detail="none of 5 records is a telegram"))
     beyond = Episode.of(Hit("beyond", 1, BEGIN_S, BEGIN_S, 3, "S-0-0040", "3001.0 rpm above its maximum 3000 rpm"))
     read = at(
         0, telegram(3, PLC, is_reaction=True), accesses=[access(3, "S-0-0040", 1, name="Velocity feedback value")]
     )
     assert "S-0-0040: Velocity feedback value" in tables.legend(report(read, episodes=[beyond]))
-    assert tables.legend(report(read, episodes=[late])).startswith("Times: UTC")
+    assert tables.legend(report(read, episodes=[late])) == "Times: UTC+0100; TrS: longest reaction time allowed."
+    assert tables.legend(report(read, episodes=[foreign])) == "Times: UTC+0100."
+    summer = report(packet(BEGIN_S - 150 * tables.DAY_S), episodes=[foreign])
+    assert tables.legend(summer) == f"Times: UTC+0{1 if WINDOWS else 2}00."
+    assert (
+        tables.legend(report(at(0, paused(1, None, None)))) == "TzA: longest interval allowed between two characters."
+    )
     assert tables.legend(report(at(0, telegram(PLC, 3)))) == ""
 
 
@@ -478,7 +686,7 @@ def test_the_worst_thousand_episodes_are_shown() -> None:
     found = [Episode.of(Hit("late", 7, BEGIN_S, BEGIN_S, 3))] * 1002
     table = tables.episodes(report(at(0), episodes=found))
     assert (table.title, len(table.rows)) == ("What happened (and 2 more)", 1000)
-    assert tables.episodes(report(at(0), episodes=found[:1000])).title == "What happened"
+    assert tables.episodes(report(at(0), episodes=found[:999])).title == "What happened"
 
 
 def test_windows_are_filled_with_what_may_reach_into_them() -> None:
