@@ -14,7 +14,7 @@ from typing import Any, cast
 
 import pytest
 from machines import BEGIN_S, LAPTOP, PLC, access, judged, packet, telegram
-from portable import BERLIN, WINDOWS, zone
+from portable import BERLIN, WINDOWS, posix, zone
 
 from sistap.commands.report import plots, tables, windows
 from sistap.commands.report.figures import Figures
@@ -398,7 +398,7 @@ def test_ports_have_their_names() -> None:
 def test_when_it_began() -> None:
     """In Berlin. Who has no clock writes any number for the time."""
     assert said(tables.summary(report(at(0))))["Began"] == "2026-11-24 07:00:00 +0100"
-    assert tables.clock(report(at(0)).figures, 61.0625) == "07:01:01.062"
+    assert tables.clock(report(at(0)).figures, 61.9995) == "07:01:01.999"
     odd = report(packet(1e20, telegram(PLC, 3)), episodes=[Episode.of(Hit("late", 1, 1e20, 1e20, 3))])
     assert said(tables.summary(odd))["Began"] == row(tables.episodes(odd), "From") == "a time in no calendar"
     assert tables.clock(odd.figures, 1.0) == "" and not tables.legend(odd).startswith("Times")
@@ -454,7 +454,9 @@ def test_events_of_the_tap_are_the_first_twenty() -> None:
     events = [at(n, type=EVENT, event=int(Event.MARKER), text=f"{n}") for n in range(22)]
     table = tables.events(report(at(0, telegram(PLC, 3)), *events))
     assert table.title == "Events of the tap (and 2 times more)" and len(table.rows) == 20
-    assert table.rows[2][:2] + table.rows[2][3:] == ("21", "2.000000", "Marker", "2")
+    assert table.rows[2] == ("21", "2.000000", "07:00:02.000", "Marker", "2")
+    later = tables.events(report(at(0, type=EVENT, event=99)))  # of a later version
+    assert (later.title, later.rows[0][3]) == ("Events of the tap", "Event 99")
 
 
 @pytest.mark.parametrize(("lasts_s", "day"), [(86_399, ""), (86_401, "2026-11-24 ")])
@@ -462,6 +464,15 @@ def test_beyond_a_day_a_time_has_its_date(lasts_s: float, day: str) -> None:
     made = report(at(0), at(lasts_s), episodes=[Episode.of(Hit("late", 1, BEGIN_S + 1, BEGIN_S + 1, 3))])
     assert tables.clock(made.figures, 1.5) == f"{day}07:00:01.500"
     assert row(tables.episodes(made), "From") == f"{day}07:00:01"
+
+
+@posix("no rules of summer time in TZ")
+def test_where_the_clock_is_put_back_a_time_says_how_it_differs() -> None:
+    """2026-10-25, from 02:30 in summer to 02:30 in winter."""
+    begin_s = BEGIN_S - 30 * tables.DAY_S - 5.5 * 3600
+    late = Episode.of(Hit("late", 1, begin_s, begin_s, 3))
+    made = report(packet(begin_s, time_s=0.0), packet(begin_s + 3600, time_s=3600.0), episodes=[late])
+    assert row(tables.episodes(made), "From") == "02:30:00 UTC+2"
 
 
 SAYS, DENIES = "line errors at their character", "no line errors are reported"  # the adapter, as a capture begins
@@ -597,8 +608,8 @@ def test_episodes_have_a_duration_in_words() -> None:
         found = Episode.of(Hit("late", 7, BEGIN_S, BEGIN_S + seconds, 3))
         return row(tables.episodes(report(at(0), episodes=[found])), "Duration")
 
-    spans = (0.9, 1.0, 9.94, 299, 300, 7199, 7200, 36_120)
-    assert [*map(lasting, spans)] == ["", "1.0 s", "9.9 s", "299 s", "5 min", "120 min", "2 h 0 min", "10 h 2 min"]
+    spans = (0.9, 1.0, 9.94, 299, 300, 7199, 7200, 35_940)
+    assert [*map(lasting, spans)] == ["", "1.0 s", "9.9 s", "299 s", "5 min", "120 min", "2 h 0 min", "9 h 59 min"]
 
 
 def test_in_several_files_an_episode_is_found_by_its_time() -> None:

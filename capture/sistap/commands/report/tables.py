@@ -229,8 +229,8 @@ def events(report: Report) -> ReportTable:
 
 
 def _event(code: int | None) -> str:
-    known = {int(event): event.name.replace("_", " ").capitalize() for event in Event}
-    return known.get(code or 0, f"Event {code}")
+    known: dict[int | None, str] = {int(event): event.name.replace("_", " ").capitalize() for event in Event}
+    return known.get(code, f"Event {code}")
 
 
 def verdicts(report: Report) -> ReportTable:
@@ -296,7 +296,7 @@ def pauses(report: Report) -> ReportTable:
 def _decided(one: Pause) -> str:
     """Say how exact the times would have to be to decide what is unresolved."""
     others, parts = one.unresolved - one.ambiguous, []
-    if others and one.exact_s < _EXACT_S:
+    if one.exact_s < _EXACT_S:
         parts.append("exactly the limit")
     elif others:
         parts.append(f"an uncertainty below {ms(one.exact_s)} decides {others if one.ambiguous else 'them'}")
