@@ -210,6 +210,14 @@ def test_a_lane_of_a_talker_has_the_limits_that_held() -> None:
     assert sorted(red.at) == [2 * MS, 4 * MS]
 
 
+def test_what_waits_to_be_counted_is_bounded() -> None:
+    figures, alike = Figures(), cast(Any, object())
+    for number in range(2048):
+        assert figures.telegrams == number // 256 * 256
+        figures.add(at(number, paused(1), intervals_s=[1 * MS], alike=alike))
+    assert not figures.pauses._waiting
+
+
 # -- Stations, services, verdicts ------------------------------------------------------------------------------------
 
 
@@ -722,10 +730,18 @@ def test_windows_are_filled_with_what_may_reach_into_them() -> None:
 def test_bars_have_five_bins_and_no_gap() -> None:
     """A bin is a hundredth of a decade; a bar, a twentieth."""
     times = Distribution()
-    times.add([0.0, 1.0, 1.1, 1.13, 10.0])
+    times.add([0.0, 1.01 * MS, 1.1 * MS, 1.13 * MS, 10.1 * MS])
     counts, edges = times.bars()
     assert counts[0] == 2 and counts[1] == 1 and counts[-1] == 1 and sum(counts) == 4 and len(counts) == 21
-    assert edges[0] == 1.0 and edges[1] == pytest.approx(1.122, abs=0.001) and len(edges) == 22
+    assert edges[:2] == pytest.approx([1 * MS, 1.122 * MS], abs=0.001 * MS) and len(edges) == 22
+    assert Distribution().bars() == ([], [])
+
+
+@pytest.mark.parametrize(("name", "value"), [("shortest_s", 0.0), ("longest_s", 2.0), ("zeros", 1), ("average_s", 1.0)])
+def test_it_matters_not_what_is_asked_first(name: str, value: float) -> None:
+    times = Distribution()
+    times.add([2.0, 0.0])
+    assert getattr(times, name) == value
 
 
 def test_parts_are_joined() -> None:
@@ -741,6 +757,7 @@ def test_parts_are_joined() -> None:
 def test_slices_become_twice_as_wide() -> None:
     slices = Slices()
     slices.count("x", slices.at([0.0, 0.4799]))
+    assert (slices.width_s, slices.used) == (0.001, 480)
     slices.count("x", slices.at([0.48]))
     assert (slices.width_s, slices.used, slices.at([-1])) == (0.002, 241, [0])
     assert [place for place, count in enumerate(slices.counts["x"]) if count] == [0, 239, 240]

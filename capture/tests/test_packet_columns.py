@@ -321,13 +321,20 @@ def test_packets_of_several_captures_count_on_and_so_do_their_seconds() -> None:
         assert "sis.talker" in reading.missing and "sis.start" not in reading.missing
 
 
-@pytest.mark.parametrize("span", [Span(0, 2), Span(4, 6)])
+@pytest.mark.parametrize("span", [Span(0, 1), Span(5, 6)])
 def test_what_is_kept_is_found_where_times_are_out_of_order(span: Span) -> None:
     with Kept() as kept:
         for time_s in (5, 1, 3):
             kept.put(time_s, str(time_s))
         assert [*kept.rows([span])] == ["5", "1", "3"]
-        assert [*kept.rows([Span(6, 7)])] == []
+        assert [*kept.rows([Span(6, 7)])] == [*kept.rows([Span(-1, 0)])] == []
+
+
+def test_of_much_only_what_is_near_is_read_again() -> None:
+    with Kept() as kept:
+        for number in range(1501):
+            kept.put(number, number)
+        assert [*kept.rows([Span(700, 701), Span(1500, 1501)])] == [*range(500, 1000), 1500]
 
 
 def test_each_packet_has_its_place_in_its_own_capture() -> None:
