@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import json
+import math
+import struct
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
@@ -16,7 +18,7 @@ from sistap.dissected.captures.portions import Begin, Portion
 from sistap.dissected.packets.apart import apart
 from sistap.dissected.packets.dissection import Dissection, Packet, packet_of
 from sistap.dissected.packets.kept import Kept, Span
-from sistap.dissected.wireshark.rows import EVENT, FRAME, JOINT, OTHER
+from sistap.dissected.wireshark.rows import BEFORE, EVENT, FRAME, JOINT, OTHER
 from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event
@@ -104,6 +106,16 @@ def test_the_first_interval_is_before_the_record() -> None:
     assert of().since_s is None
 
 
+def test_words_and_times_of_a_record() -> None:
+    said = {"sertap.type": "0", "sertap.line": "1", "sertap.baud": "19200", "sertap.format": "8E1"}
+    said |= {"sertap.framing": "2", "sertap.uncertainty": "0.0003", "frame.interface_name": "COM3"}
+    said |= {"frame.time_epoch": "100.000000005", "frame.time_relative": "2.5", "sertap.character": "0x02\x1f0x1f"}
+    one = packet_of(READ | said)
+    assert (one.number, one.type, one.line, one.baud, one.format, one.framing) == (7, FRAME, 1, 19200, "8E1", 2)
+    assert (one.interface, one.uncertainty_s, one.epoch_ns, one.time_s) == ("COM3", 0.0003, 100_000_000_005, 2.5)
+    assert (one.characters, one.text, one.event) == (b"\x02\x1f", "", None)
+
+
 def test_line_errors_and_reads() -> None:
     errors = {
         "sertap__error__character": Flag.CHARACTER_ERROR,
@@ -144,6 +156,16 @@ def test_each_of_several_telegrams_has_its_faults_and_the_record_its_own() -> No
     assert [one.talker for one in packet.telegrams] == [3, 4]
     assert [[fault.name for fault in one.faults] for one in packet.telegrams] == [["error_reaction"]] * 2
     assert [fault.name for fault in packet.faults] == ["error_reaction", "error_reaction", "line_error"]
+    alone = of(sis__status="0x01", sertap__error__character="1")
+    assert [fault.name for fault in alone.faults] == ["error_reaction", "line_error"]
+
+
+def test_a_damaged_telegram_hides_no_fault_of_another() -> None:
+    said = {"sis.start": several("0x02", "0x02"), "sis.status": several("0x01", "0x01")}
+    packed = {"sis.checksum.status": several("0", "1"), "sis.packed": "sis.start=1 sis.status=1 sis.checksum.status=1"}
+    packet = packet_of({"frame.number": "7"} | said | packed)
+    assert [[fault.name for fault in one.faults] for one in packet.telegrams] == [["damaged"], ["error_reaction"]]
+    assert [fault.name for fault in packet.faults] == ["error_reaction", "damaged"]
 
 
 def test_what_only_the_second_telegram_says_is_its_own() -> None:
@@ -191,7 +213,9 @@ def test_what_cannot_be_dealt_out_is_left_out() -> None:
 
 def test_an_older_dissector_does_not_say_what_is_of_which() -> None:
     said = {"sis.start": several("0x02", "0x02"), "sis.talker": several("1", "3"), "sis.status": "0x01"}
-    assert [(one.talker, one.status) for one in packet_of(READ | said).telegrams] == [(1, None), (3, None)]
+    packet = packet_of(READ | said)
+    assert [(one.talker, one.status) for one in packet.telegrams] == [(1, None), (3, None)]
+    assert [fault.name for fault in packet.faults] == ["error_reaction"]  # of one of them
 
 
 def test_other_words_of_a_telegram() -> None:
@@ -199,6 +223,9 @@ def test_other_words_of_a_telegram() -> None:
         sis__repeat_of="3", sis__phase=several("4", "2"), sis__control__error="True", sis__listener="3"
     ).telegrams
     assert (one.is_repeat, one.phase, one.has_system_error, one.listener, one.unanswered) == (True, "4", True, 3, False)
+    assert [of(sis__control__reaction=text).telegrams[0].is_reaction for text in ("1", "True", "0", "")] == [
+        *(True, True, False, False)
+    ]
     (other,) = of(sis__command__unanswered="1", sis__reaction__again="x", sis__twm__early="x").telegrams
     assert (other.unanswered, other.is_repeat, other.signs) == (True, False, ("again", "early"))
 
@@ -266,6 +293,62 @@ def test_a_number_that_is_too_large(digits: str) -> None:
     assert (access.number, access.value) == (None, digits)
 
 
+# -- Rows of the plugin's tap ----------------------------------------------------------------------------------------
+
+
+def entry(kind: str, own: bytes) -> bytes:
+    """Return a kind and a row of it, as plugin/docs/rows.md has them."""
+    parts = (0, kind.encode()), (1, own)
+    return b"".join(struct.pack("=IHH", 8 + len(data), is_row, 7) + data for is_row, data in parts)
+
+
+class Tap:
+    """A tshark that has the tap. It was asked for the status, too."""
+
+    def __init__(self, *entries: bytes) -> None:
+        self._entries = entries
+
+    def pieces(self, _arguments: Sequence[str]) -> Iterator[bytes]:
+        return iter([b"sis,rows 1\tsis.status\tsis.start\tsis.packed\n", *self._entries])
+
+
+def test_a_row_of_the_tap_with_two_telegrams() -> None:
+    """Two reactions of two stations, and a read of each."""
+    kind = "sertap.type=0\tframe.interface_name=COM3\t\nsis.start=2\tsis.talker=3\t\nsis.start=2\tsis.talker=4\t"
+    own = struct.pack("=qddIIHHHH", 100, 2.5, math.nan, 5, 9, 2, 2, 2, 0)
+    own += struct.pack("=dddddII", 0.4, 0.01, 0.003, math.nan, 40.0, 8, 5)
+    own += struct.pack("=dddddII", math.nan, 0.02, math.nan, 0.1, math.nan, 0, 0)
+    own += struct.pack("=2d", 0.5, 0.001) + b"\x02\x1f"
+    reads = [json.dumps(PLACED | {"access": "read", "value": value}) + JOINT for value in ("one", "two", "three")]
+    more = "\t".join(["0x00\x1f0x01", "0x02\x1f0x02", "sis.start=1 sis.status=1"])
+    texts = "\t".join([more, reads[0], reads[1] + reads[2]])
+    tshark = cast(Tshark, Tap(entry(kind, own + texts.encode())))
+    with Dissection(tshark, [Portion(Path("a"))], ["sis.status"]) as reading:
+        (found,) = reading.packets()
+    assert (found.number, found.epoch_ns, found.uncertainty_s, found.characters) == (
+        9,
+        100_000_000_005,
+        None,
+        b"\2\x1f",
+    )
+    assert (found.since_s, found.intervals_s, found.interface, found.type) == (0.5, [0.001], "COM3", FRAME)
+    one, other = found.telegrams
+    assert [access.value for access in one.accesses] == ["one"]
+    assert [access.value for access in other.accesses] == ["two", "three"]
+    assert [(access.parameter.port, access.value) for access in found.accesses] == [
+        ("COM3", value) for value in ("one", "two", "three")
+    ]
+    assert (one.talker, one.columns["sis.status"], one.columns["sis.talker"]) == (3, "0x00", "3")
+    assert (other.talker, other.columns["sis.status"], other.columns["sis.talker"]) == (4, "0x01", "4")
+    times = [(one.silence, one.reaction, one.pause, one.cycle) for one in found.telegrams]
+    assert times[0] == ((0.4, None, None), (0.01, None, None), (0.003, None, None), None)
+    assert times[1] == (None, (0.02, None, None), None, (0.1, None, None))
+    assert [(one.load_percent, one.command_in, one.pause_position) for one in found.telegrams] == [
+        (40.0, 8, 5),
+        (None, None, None),
+    ]
+
+
 # -- Several captures ------------------------------------------------------------------------------------------------
 
 
@@ -319,6 +402,8 @@ def test_packets_of_several_captures_count_on_and_so_do_their_seconds() -> None:
         again = [(one.number, one.time_s) for one in reading.again([Span(1, 1), Span(100.5, 101)])]
         assert again == [(2, 1), (4, 100.5), (5, 101)]
         assert "sis.talker" in reading.missing and "sis.start" not in reading.missing
+    with dissection(TWO, keeps=False) as reading:
+        assert list(reading.packets()) and not list(reading.again([Span(0, 1000)]))
 
 
 @pytest.mark.parametrize("span", [Span(0, 1), Span(5, 6)])
@@ -344,10 +429,13 @@ def test_each_packet_has_its_place_in_its_own_capture() -> None:
 
 
 def test_what_was_told_before_a_file_has_no_number() -> None:
-    with dissection(
-        {"a": [row(1, 100, 0, type=EVENT, event=int(Event.TOLD_BEFORE)), row(2, 101, 1)]}, told=1
-    ) as reading:
-        assert [one.number for one in reading.packets()] == [1]
+    """What the second is told came before its own begin, so its own begins after a second."""
+    told = row(1, 100, 0, type=EVENT, event=int(Event.TOLD_BEFORE))
+    with dissection({"a": [told, row(2, 101, 1)], "b": [told, row(2, 201, 101), row(3, 202, 102)]}, told=1) as reading:
+        packets = list(reading.packets())
+        assert [(one.number, one.time_s) for one in packets] == [(1, 0), (2, 100), (3, 101)]
+        places = [reading.place(one) for one in packets]
+    assert [(path.name, number) for path, number in places] == [("a", 1), ("b", 1), ("b", 2)]
 
 
 def test_what_came_before_a_time_only_teaches() -> None:
@@ -362,14 +450,21 @@ def test_what_a_file_begins_with_again_is_not_told_again() -> None:
         return row(number, 100, 0, type=EVENT, event=int(event), text=text)
 
     told = begins(2, "", Event.TOLD_BEFORE)
-    files = {"a": [begins(1), row(2, 100, 0)], "b": [begins(1), told, row(3, 101, 0)], "c": [begins(1, "other"), told]}
+    marker = begins(2, "a marker", Event.MARKER)
+    files = {
+        "a": [begins(1), marker],
+        "b": [begins(1), told, row(3, 101, 0)],
+        "c": [begins(1, "other"), told],
+        "d": [begins(1), row(2, 102, 0, type=BEFORE), begins(3, "TrS", Event.LIMITS_TOLD)],
+    }
     with dissection(files) as reading:
         packets = list(reading.packets())
     assert [(one.text, one.is_again) for one in packets] == [
         ("a tap", False),
-        ("", False),
+        ("a marker", False),
         ("", False),
         ("other", True),
+        ("TrS", False),
     ]
     with dissection({"a": [begins(1)], "b": [begins(1)]}) as reading:  # two captures, each from its beginning
         assert len(list(reading.packets())) == 2
@@ -379,6 +474,7 @@ def test_a_file_of_a_recorder_is_kept_apart() -> None:
     started = {"sertap__event": str(int(Event.CAPTURE_STARTED)), "sertap__text": f"a tap{KEPT}late"}
     assert of(sertap__type=str(EVENT), **started).is_kept_apart
     assert not of(sertap__type=str(OTHER), **started).is_kept_apart
+    assert not of(sertap__type=str(EVENT), **started | {"sertap__event": str(int(Event.MARKER))}).is_kept_apart
     assert not of(sertap__type=str(EVENT), **started | {"sertap__text": "a tap"}).is_kept_apart
 
 
@@ -389,6 +485,19 @@ def test_the_warnings_of_captures_that_are_cut() -> None:
         assert reading.warning == "; ".join(
             ["the capture appears to have been cut short in the middle of a packet."] * 2
         )
+
+
+def test_where_tshark_fails_after_some_packets_they_are_told() -> None:
+    with dissection({"a": []}, "tshark: Killed") as reading, pytest.raises(TsharkError, match="Killed"):
+        list(reading.packets())
+    with dissection({"a": [row(1, 100, 0)]}, "tshark: Killed") as reading:
+        assert len(list(reading.packets())) == 1 and reading.warning == "Killed"
+
+
+def test_without_a_dissector_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Rows, "MORE", ("sertap.type",))
+    with dissection({"a": []}) as reading, pytest.raises(TsharkError, match="sistap install"):
+        list(reading.packets())
 
 
 def test_preferences_are_asked_for() -> None:
