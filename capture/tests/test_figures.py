@@ -10,22 +10,27 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, cast
 
 import pytest
 from machines import BEGIN_S, LAPTOP, PLC, access, judged, packet, telegram
+from no_tap import Printing
 from portable import BERLIN, WINDOWS, posix, zone
 
 from sistap.commands.report import plots, tables, windows
 from sistap.commands.report.figures import Figures
-from sistap.commands.report.gather import Report
+from sistap.commands.report.gather import Report, gather, learned
 from sistap.commands.report.unjudged import unjudged
 from sistap.commands.report.windows import ReportWindow
+from sistap.dissected.captures.portions import Portion
 from sistap.dissected.draw.panel import Area, Strokes
 from sistap.dissected.episodes.episode import Episode, Hit
+from sistap.dissected.episodes.rules import THRESHOLDS
 from sistap.dissected.packets.dissection import EXCEEDED, OK, UNRESOLVED, Dissection, Judged, Packet, Telegram
 from sistap.dissected.packets.distribution import Distribution, Slices
-from sistap.dissected.wireshark.rows import EVENT, OTHER
+from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
+from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event, Framing
 from sistap.tap.sis.faults import FAULTS
@@ -472,6 +477,8 @@ def test_beyond_a_day_a_time_has_its_date(lasts_s: float, day: str) -> None:
     made = report(at(0), at(lasts_s), episodes=[Episode.of(Hit("late", 1, BEGIN_S + 1, BEGIN_S + 1, 3))])
     assert tables.clock(made.figures, 1.5) == f"{day}07:00:01.500"
     assert row(tables.episodes(made), "From") == f"{day}07:00:01"
+    first, *_, limits = tables.answer(made)
+    assert first.startswith("NOT OK, 2026-11-24 07:00:00 to 2026-11-25 0") and f", {day}07:00:01)" in limits
 
 
 @posix("no rules of summer time in TZ")
@@ -481,6 +488,7 @@ def test_where_the_clock_is_put_back_a_time_says_how_it_differs() -> None:
     late = Episode.of(Hit("late", 1, begin_s, begin_s, 3))
     made = report(packet(begin_s, time_s=0.0), packet(begin_s + 3600, time_s=3600.0), episodes=[late])
     assert row(tables.episodes(made), "From") == "02:30:00 UTC+2"
+    assert tables.answer(made)[0].startswith("NOT OK, 02:30:00 UTC+2 to 02:30:00 UTC+1: ")
 
 
 SAYS, DENIES = "line errors at their character", "no line errors are reported"  # the adapter, as a capture begins
@@ -670,6 +678,11 @@ def test_windows_are_around_the_worst_of_each_kind() -> None:
     assert other.title == "Packet 30: Interval longer than TzA"
     both = [one("late", 20, 0.5), one("interval", 20, 0.1)]  # of one telegram: it is seen once
     assert [window.title for window in windows.around(both, BEGIN_S, [])] == ["Packet 20: Reaction later than TrS"]
+    many = [one(kind, 10 * place, 0) for place, kind in enumerate(("repeated", "damaged", "early", "late"))]
+    titles = ["Reaction later than TrS", "Sent again too early", "Damaged telegram"]  # the three worst
+    assert [window.title.partition(": ")[2] for window in windows.around(many, BEGIN_S, [])] == titles
+    unmeasured = Episode.of(Hit("late", 20, BEGIN_S + 20, BEGIN_S + 20, 3))  # perhaps late
+    assert [window.start_s for window in windows.around([unmeasured], BEGIN_S, [])] == pytest.approx([19.97])
     (short,) = windows.around([one("interval", 0, 0.1)], BEGIN_S, [])
     assert [short.start_s, short.end_s] == pytest.approx([0, 0.03])
 
@@ -722,6 +735,47 @@ def test_windows_are_filled_with_what_may_reach_into_them() -> None:
     assert asked == [(0, 2), (5, 11)]
     assert [[packet.time_s for packet in one.packets] for one in shown] == [[1.5], [7]]
     windows.fill(cast(Dissection, None), [])
+
+
+# -- Captures --------------------------------------------------------------------------------------------------------
+
+TOLD = {"sertap.type": FRAME, "sis.start": "0x02", "sis.checksum.status": "1", "sis.service": "0x10"}
+
+
+def printing(**captures: tuple[int, Sequence[float]]) -> Tshark:
+    """Return a tshark that has captures: a master that asks station 3, and when."""
+    rows = {
+        name: [
+            {"frame.number": number, "frame.time_epoch": BEGIN_S + second, "frame.time_relative": second}
+            | {"sis.talker": master, "sis.listener": 3}
+            | TOLD
+            for number, second in enumerate(seconds, 1)
+        ]
+        for name, (master, seconds) in captures.items()
+    }
+    return cast(Tshark, Printing(rows, [*next(iter(rows.values()))[0]]))
+
+
+def test_while_a_capture_is_read_something_is_said() -> None:
+    told: list[str] = []
+    tshark, portion = printing(long=(PLC, range(10_001))), Portion(Path("long"))
+    made = gather(tshark, [portion], [windows.asked(2, 1)], told.append)
+    read = ["5000 packets read, 4999 s of the capture", "10000 packets read, 9999 s of the capture"]
+    assert told == [*read, "10001 packets read; reading the worst of them once more"]
+    assert [[packet.number for packet in window.packets] for window in made.windows] == [[3, 4]]
+    told.clear()
+    assert gather(tshark, [portion], [windows.asked(2, 1)], told.append, has_windows=False).windows == []
+    assert told == read
+
+
+def test_who_asked_in_a_good_capture_is_usual() -> None:
+    tshark = printing(good=(PLC, range(100)), other=(LAPTOP, range(100)))
+    good = learned(tshark, [Portion(Path("good"))], THRESHOLDS)
+    kinds = [
+        [one.kind for one in gather(tshark, [Portion(Path("other"))], [], print, before=before).episodes]
+        for before in (None, good)
+    ]
+    assert "master" in kinds[1] and "master" not in kinds[0]
 
 
 # -- Distributions ---------------------------------------------------------------------------------------------------

@@ -6,12 +6,12 @@ from __future__ import annotations
 import json
 import math
 import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
 
 import pytest
-from no_tap import NoTap
+from no_tap import Printing
 
 from sistap.dissected.accesses.access import accesses
 from sistap.dissected.captures.portions import Begin, Portion
@@ -352,37 +352,27 @@ def test_a_row_of_the_tap_with_two_telegrams() -> None:
 # -- Several captures ------------------------------------------------------------------------------------------------
 
 
-class Rows(NoTap):
-    """A tshark that prints rows of these columns, and may fail at the end of a capture."""
-
-    NAMES = "frame.number", "frame.time_epoch", "frame.time_relative", "sis.command_in", "sis.bus.load"  # its own
-    MORE = "sis.start", "sertap.type", "sertap.event", "sertap.text"
-
-    def __init__(self, captures: Mapping[str, Sequence[Sequence[Any]]], error: str = "") -> None:
-        self._captures, self._error = captures, error
-        self.asked: list[str] = []
-
-    def lines(self, arguments: Sequence[str]) -> Iterator[str]:
-        self.asked = [*arguments]
-        yield "\t".join((*self.NAMES, *self.MORE))
-        for row in self._captures[Path(arguments[1]).name]:
-            yield "\t".join(map(str, row))
-        if self._error:
-            raise TsharkError(self._error)
+KNOWN = "frame.number", "frame.time_epoch", "frame.time_relative", "sis.command_in", "sis.bus.load", "sis.start"
+TAP = "sertap.type", "sertap.event", "sertap.text"
 
 
 def row(
-    number: int, epoch_s: float, relative_s: float, command_in: object = "", load: object = "", **more: Any
-) -> list[Any]:
-    rest = [more.get(name, "") for name in ("type", "event", "text")]
-    return [number, epoch_s, relative_s, command_in, load, "" if more else "0x02", *rest]
+    number: int, epoch_s: float, relative_s: float, command_in: object = "", load: object = "", **more: object
+) -> dict[str, object]:
+    """Return a telegram, or what else the tap has written."""
+    said = zip(KNOWN, (number, epoch_s, relative_s, command_in, load, "" if more else "0x02"), strict=True)
+    return dict(said) | {f"sertap.{name}": value for name, value in more.items()}
 
 
 def dissection(
-    captures: Mapping[str, Sequence[Sequence[Any]]], error: str = "", told: int = 0, **more: Any
+    captures: Mapping[str, Sequence[Mapping[str, object]]],
+    error: str = "",
+    told: int = 0,
+    known: Collection[str] = (*KNOWN, *TAP),
+    **more: Any,
 ) -> Dissection:
     parts = [Portion(Path(name), told, begins=[Begin(told + 1, Path(name), 1)]) for name in captures]
-    return Dissection(cast(Tshark, Rows(captures, error)), parts, **more)
+    return Dissection(cast(Tshark, Printing(captures, known, error)), parts, **more)
 
 
 TWO = {
@@ -446,7 +436,7 @@ def test_what_came_before_a_time_only_teaches() -> None:
 
 
 def test_what_a_file_begins_with_again_is_not_told_again() -> None:
-    def begins(number: int, text: str = "a tap", event: Event = Event.CAPTURE_STARTED) -> list[Any]:
+    def begins(number: int, text: str = "a tap", event: Event = Event.CAPTURE_STARTED) -> dict[str, object]:
         return row(number, 100, 0, type=EVENT, event=int(event), text=text)
 
     told = begins(2, "", Event.TOLD_BEFORE)
@@ -494,14 +484,13 @@ def test_where_tshark_fails_after_some_packets_they_are_told() -> None:
         assert len(list(reading.packets())) == 1 and reading.warning == "Killed"
 
 
-def test_without_a_dissector_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Rows, "MORE", ("sertap.type",))
-    with dissection({"a": []}) as reading, pytest.raises(TsharkError, match="sistap install"):
+def test_without_a_dissector_nothing_is_told() -> None:
+    with dissection({"a": []}, known=TAP) as reading, pytest.raises(TsharkError, match="sistap install"):
         list(reading.packets())
 
 
 def test_preferences_are_asked_for() -> None:
-    rows = Rows({"a": []})
-    with Dissection(cast(Tshark, rows), [Portion(Path("a"))], preferences={"sis.tza_ms": 2}) as reading:
+    printing = Printing({"a": []}, KNOWN)
+    with Dissection(cast(Tshark, printing), [Portion(Path("a"))], preferences={"sis.tza_ms": 2}) as reading:
         assert list(reading.packets()) == []
-    assert rows.asked[:5] == ["-r", "a", "-2", "-o", "sis.tza_ms:2"]
+    assert printing.asked[:5] == ["-r", "a", "-2", "-o", "sis.tza_ms:2"]
