@@ -683,6 +683,8 @@ def test_windows_are_around_the_worst_of_each_kind() -> None:
     assert [window.title.partition(": ")[2] for window in windows.around(many, BEGIN_S, [])] == titles
     unmeasured = Episode.of(Hit("late", 20, BEGIN_S + 20, BEGIN_S + 20, 3))  # perhaps late
     assert [window.start_s for window in windows.around([unmeasured], BEGIN_S, [])] == pytest.approx([19.97])
+    (worse,) = windows.around([unmeasured, one("late", 10, 0.2)], BEGIN_S, [])
+    assert worse.title.startswith("Packet 10: ")
     (short,) = windows.around([one("interval", 0, 0.1)], BEGIN_S, [])
     assert [short.start_s, short.end_s] == pytest.approx([0, 0.03])
 

@@ -77,6 +77,8 @@ def test_times_with_their_limits_and_verdicts() -> None:
     assert (telegram.reaction, telegram.pause) == ((0.01, 0.05, 0), (0.003, 0.002, 1))
     assert (telegram.cycle, telegram.silence) == ((0.1, None, None), (0.4, None, None))
     assert (telegram.command_in, telegram.load_percent, telegram.pause_position) == (6, 40, 5)
+    (twice,) = of(sis__reaction_time=several("0.01", "0.02"), sis__trs__limit=several("0.05", "0.06")).telegrams
+    assert twice.reaction == (0.01, 0.05, None)
     (nothing,) = of().telegrams
     times = nothing.reaction, nothing.pause, nothing.cycle, nothing.silence, nothing.command_in, nothing.load_percent
     assert times == (None,) * 6
