@@ -25,6 +25,7 @@ from sistap.commands.report.unjudged import unjudged
 from sistap.commands.report.windows import ReportWindow
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.draw.panel import Area, Strokes
+from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.rules import THRESHOLDS
 from sistap.dissected.packets.dissection import EXCEEDED, OK, UNRESOLVED, Dissection, Judged, Packet, Telegram
@@ -55,6 +56,10 @@ def at(second: float, *telegrams: Telegram, **more: Any) -> Packet:
 
 def row(table: tables.ReportTable, head: str, number: int = 0) -> str:
     return table.rows[number][table.heads.index(head)]
+
+
+def cells(table: tables.ReportTable, number: int = 0) -> dict[str, str]:
+    return dict(zip(table.heads, table.rows[number], strict=True))
 
 
 def said(table: tables.ReportTable) -> dict[str, str]:
@@ -174,12 +179,13 @@ def test_talkers_and_rates_are_told_apart_and_lost_or_damaged_telegrams_are_not_
             at(3, paused(9.0), errors=int(Flag.LOST_BEFORE), intervals_s=[9 * MS]),
             at(4, paused(9.0), intervals_s=[9 * MS], same_read=1),  # all came in one read
             at(5, answered(good=False, pause=judged(9 * MS, 2 * MS, OK)), intervals_s=[9 * MS]),
+            at(7, paused(1.25), intervals_s=[1.25 * MS], errors=int(Flag.CHARACTER_ERROR)),  # its times are right
             at(6, paused(9.0), paused(9.0), intervals_s=[9 * MS]),  # two in a record: nobody knows whose it is
         )
     )
     assert [one[:4] for one in table.rows] == [
         ("1", "9600 Bd", "1", "1.400 ms"),
-        ("3", "9600 Bd", "1", "1.200 ms"),
+        ("3", "9600 Bd", "2", "1.250 ms"),
         ("3", "19200 Bd", "1", "1.300 ms"),
     ]
 
@@ -189,7 +195,10 @@ def test_places_in_a_telegram() -> None:
     long = [1 * MS] * 22 + [3 * MS, 5 * MS]  # before characters 2 to 25
     made = report(at(0, paused(5), intervals_s=long), at(1, paused(2), intervals_s=[2 * MS]))
     table = tables.places(made)
-    assert table.rows[0] == ("2", "2", "1.500 ms", "2.000 ms", "2.000 ms")
+    assert cells(table) == {
+        **{"Before character": "2", "Intervals": "2"},
+        **{"Average": "1.500 ms", "99 % within": "2.000 ms", "Longest": "2.000 ms"},
+    }
     assert table.rows[1] == ("3", "1", "1.000 ms", "1.000 ms", "1.000 ms")
     assert table.rows[-1] == ("24 and later", "2", "4.000 ms", "5.000 ms", "5.000 ms")
     assert len(table.rows) == 23 and made.figures.pauses.intervals.count == 25  # each once, however often it is asked
@@ -309,13 +318,15 @@ def test_telegrams_that_are_alike_count_each() -> None:
         *(at(n, telegram(PLC, 3, is_repeat=True, unanswered=True), alike=commands) for n in range(3)),
         *(at(n + 0.5, refusal, alike=reactions, faults=late) for n in range(3)),
     )
-    assert tables.stations(made).rows == [
-        ("1", "3", "0", "0", "3", "0", "", "", "", "0", "0"),
-        ("3", "0", "3", "3", "0", "3", "60.000 ms", "60.000 ms", "", "3", "0"),
-    ]
-    found = {name: (count, bool(do)) for name, count, _, do in tables.faults(made).rows}
-    assert found.pop("Reaction later than TrS") == ("3", True)
-    assert {*found.values()} == {("0", False)}
+    master, station = (cells(tables.stations(made), number) for number in (0, 1))
+    counts = {name: count for name, count in master.items() if count not in ("0", "")}
+    assert counts == {"Station": "1", "Commands": "3", "Sent again": "3"}
+    assert {name: count for name, count in station.items() if count not in ("0", "")} == {
+        **{"Station": "3", "Reactions": "3", "With an error": "3", "Not answered": "3", "TrS exceeded": "3"},
+        **{"Half of its reactions within": "60.000 ms", "Slowest reaction": "60.000 ms"},
+    }
+    found = [cells(tables.faults(made), number) for number in range(len(FAULTS))]
+    assert {one["What"]: one["How often"] for one in found if one["What to do"]} == {"Reaction later than TrS": "3"}
 
 
 def test_reaction_times_by_service_and_verdicts() -> None:
@@ -332,11 +343,37 @@ def test_reaction_times_by_service_and_verdicts() -> None:
     assert said(tables.summary(made))["Telegrams"] == "9, 1 of them with a wrong checksum or none"
 
 
+def test_verdicts_on_each_limit() -> None:
+    """TzA and Tmas; each in a column of its own, and all that are unresolved in the sum above."""
+    verdicts = (OK, 1), (EXCEEDED, 2), (UNRESOLVED, 3), (None, 4)
+    pauses = [paused(1, None if one is None else 4.0, one) for one, count in verdicts for _ in range(count)]
+    limits = 0.5, 0.1, 0.25, 0.3
+    cycles = [telegram(PLC, 3, cycle=judged(0.6, limit_s, EXCEEDED)) for limit_s in limits]
+    unresolved = telegram(PLC, 3, cycle=judged(0.6, 0.5, UNRESOLVED))
+    made = report(*(at(n, one) for n, one in enumerate([*pauses, *cycles, unresolved])))
+    table = tables.verdicts(made)
+    tza, _, tmas = ([*cells(table, number).values()][1:6] for number in range(3))
+    assert table.heads[1:6] == ("Value", "Kept", "Exceeded", "Unresolved", "No limit known")
+    assert (tza, tmas) == (["4 ms", "1", "2", "3", "4"], ["100 ms, 250 ms, 300 ms, 500 ms", "0", "4", "1", "0"])
+    assert table.note.startswith("4 unresolved: ")
+
+
+def test_filters_stand_in_a_column_of_their_own() -> None:
+    made = report(*exchanges())
+    shown = tables.verdicts(made), tables.faults(made), tables.episodes(made)
+    assert [table.heads[table.code or 0].partition(" for")[0] for table in shown] == [
+        *("Filter", "Display filter", "Display filter")
+    ]
+
+
 def test_half_and_nearly_all_of_a_hundred_reactions() -> None:
     """They take 1 to 100 ms."""
     made = report(*(at(n, answered(judged(n * MS, 200 * MS, OK))) for n in range(1, 101)))
-    (service,) = tables.services(made).rows
-    assert service[1:7] == ("100", "1.000 ms", "50.500 ms", "50.000 ms", "99.000 ms", "100.000 ms")
+    assert cells(tables.services(made)) == {
+        **{"Service": "0x10 Read parameter", "Reactions": "100", "Shortest": "1.000 ms", "Average": "50.500 ms"},
+        **{"Half within": "50.000 ms", "99 % within": "99.000 ms", "Longest": "100.000 ms"},
+        **{"TrS": "200 ms", "Exceeded": "0", "Unresolved": "0"},
+    }
     assert tables.stations(made).rows[0][6:8] == ("50.000 ms", "100.000 ms")
 
 
@@ -392,7 +429,8 @@ def test_how_exact_the_times_are() -> None:
 
 
 def test_records_of_all_kinds() -> None:
-    blocks = [at(n, framing=int(Framing.PROCEDURE_3964R), intervals_s=[n * MS]) for n in (1, 2, 3)]
+    error = {"errors": int(Flag.CHARACTER_ERROR)}
+    blocks = [at(n, framing=int(Framing.PROCEDURE_3964R), intervals_s=[n * MS], **error) for n in (1, 2, 3)]
     other = at(7, type=OTHER, intervals_s=[0.5], framing=int(Framing.PROCEDURE_3964R))
     lost = at(8, framing=int(Framing.PROCEDURE_3964R), intervals_s=[9 * MS], errors=int(Flag.LOST_BEFORE))
     said_ = said(tables.summary(report(at(0, telegram(PLC, 3)), *blocks, other, lost, at(8, type=EVENT, event=1))))
@@ -400,6 +438,10 @@ def test_records_of_all_kinds() -> None:
     between = "half within 2.000 ms, the longest 3.000 ms"
     assert said_["Intervals in other frames"] == f"3, from character to character: {between}"
     assert (said_["Duration"], said_["Line"]) == ("8.009 s", "9600 Bd 8E1")
+    noise = said(tables.summary(report(at(0, type=OTHER))))
+    assert (noise["Line"], noise["Uncertainty of the times"]) == ("9600 Bd 8E1", "0.300 ms")
+    foreign = said(tables.summary(report(at(0, type=None), at(0, framing=int(Framing.SILENCE)), at(1, framing=99))))
+    assert foreign["Packets"] == "3: 1 no records of the tap, 1 frames of framing 99, 1 frames cut by silence"
 
 
 def test_ports_have_their_names() -> None:
@@ -467,7 +509,9 @@ def test_events_of_the_tap_are_the_first_twenty() -> None:
     events = [at(n, type=EVENT, event=int(Event.MARKER), text=f"{n}") for n in range(22)]
     table = tables.events(report(at(0, telegram(PLC, 3)), *events))
     assert table.title == "Events of the tap (and 2 times more)" and len(table.rows) == 20
-    assert table.rows[2] == ("21", "2.000000", "07:00:02.000", "Marker", "2")
+    assert cells(table, 2) == {
+        **{"Packet": "21", "Second": "2.000000", "Clock": "07:00:02.000", "Event": "Marker", "Text": "2"}
+    }
     later = tables.events(report(at(0, type=EVENT, event=99)))  # of a later version
     assert (later.title, later.rows[0][3]) == ("Events of the tap", "Event 99")
 
@@ -502,7 +546,15 @@ REMARKS: Sequence[tuple[str, Callable[[], Report]]] = (
     ("The capture has no packets.", report),
     ("The capture has no SIS telegrams.", lambda: report(at(0))),
     ("The packets are no records of the tap: there are no times of characters", lambda: report(at(0, type=None))),
-    ("It has 1 lines of text: their limits are not judged here.", lambda: report(at(0, framing=int(Framing.ASCII)))),
+    (
+        "It has 1 handshakes and blocks of 3964R and 2 lines of text: their limits are not judged here.",
+        lambda: report(*(at(0, framing=int(one)) for one in (Framing.ASCII, Framing.PROCEDURE_3964R, Framing.ASCII))),
+    ),
+    (
+        "Reactions that came in one read with their command, or without one, are in no median: "
+        "station 3 (1 of 1), station 4 (1 of 1). ",
+        lambda: report(*(at(0, replace(answered(judged(0, 1, OK)), talker=station)) for station in (4, 3))),
+    ),
     ("TrS was not set (service 0x03) while this was captured", lambda: report(at(0, answered(Judged(1, None, None))))),
     ("TzA was not set (service 0x03) while this was captured", lambda: report(at(0, paused(1, None, None)))),
     ("The packet numbers count through all 2 files", lambda: report(at(0), files=2)),
@@ -551,6 +603,16 @@ QUIET: Sequence[tuple[str, Callable[[], Report], list[str]]] = (
     ),
     ("noise beside", lambda: report(at(0, telegram(PLC, 3)), at(1, type=OTHER)), []),
     ("nothing", report, ["The capture has no packets."]),
+    (
+        "limits of two captures",
+        lambda: report(
+            *(at(0, type=EVENT, event=int(Event.LIMITS_TOLD), text="TrS = 9 ms") for _ in range(2)),
+            at(0, telegram(PLC, 3)),
+        ),
+        [
+            "The limits TrS = 9 ms were given for this capture (--tza, --trs). They apply until the bus sets others.",
+        ],
+    ),
     (
         "damage with line errors",
         lambda: report(started(SAYS), at(1, answered(good=False)), at(2, faults=LINE_ERROR)),
@@ -603,20 +665,46 @@ def test_parameters() -> None:
     refused = access(3, "S-0-0040", "", error="0x7002")
     made = report(*(at(n, accesses=[one]) for n, one in enumerate([*values, wrote, refused])))
     table = tables.parameters(made)
-    (only,) = table.rows
     assert (table.title, table.links) == ("Parameters", {(0, 0): "parameter0"})
     (curve,) = made.figures.curves.moved().values()
     assert [(point.begin_s, point.last) for point in curve.points] == [(0, 7), (1, 9), (2, 5), (3, 6)]
-    assert only == (
-        *("S-0-0040", "station 3, device 4", "", "rpm", "3", "1", "1"),
-        *("7.0 rpm", "6.0 rpm", "5.0 rpm", "9.0 rpm", "127", "31"),
-    )
+    assert cells(table) == {
+        **{"Parameter": "S-0-0040", "Device": "station 3, device 4", "Name": "", "Unit": "rpm"},
+        **{"Reads": "3", "Writes": "1", "Errors": "1", "First": "7.0 rpm", "Last": "6.0 rpm"},
+        **{"Least": "5.0 rpm", "Greatest": "9.0 rpm", "Written by": "127", "In packet": "31"},
+    }
+
+
+def test_parameters_of_two_ports_and_who_wrote_them() -> None:
+    """Master 0, and somebody in ASCII."""
+    masters: tuple[tuple[str, int | None], ...] = ("COM3", 0), ("COM4", None)
+    written = [access(3, "S-0-0040", 1.0, is_write=True, master=master, port=port) for port, master in masters]
+    table = tables.parameters(report(at(0, accesses=written)))
+    assert [(one[1], one[-2], one[-1]) for one in table.rows] == [
+        ("COM3, station 3, device 4", "0", "1"),
+        ("COM4, station 3, device 4", "", "1"),
+    ]
 
 
 def test_more_than_500_parameters_are_not_read_by_anybody() -> None:
     made = report(at(0, accesses=[access(3, f"P-0-{number:04}", 1.0) for number in range(502)]))
     table = tables.parameters(made)
     assert table.title == "Parameters (and 2 more: `sistap parameters` lists all)" and len(table.rows) == 500
+
+
+def test_a_row_of_an_episode_leads_to_the_curve_of_its_parameter() -> None:
+    hit = Hit("step", 7, BEGIN_S, BEGIN_S + 2, 4, "S-0-0040", "9 rpm below S-0-0036")
+    found = Episode.of(hit)
+    found.join(Episode.of(hit._replace(packet=9, station=3)))
+    values = [at(n, accesses=[access(3, "S-0-0040", float(n))]) for n in range(2)]
+    table = tables.episodes(report(*values, episodes=[Episode.of(Hit("late", 1, BEGIN_S, BEGIN_S, 3)), found]))
+    assert cells(table, 1) == {
+        **{"From": "07:00:00", "Duration": "2.0 s", "Severity": "note", "Station": "3, 4", "What": found.rule.title},
+        **{"Parameter": "S-0-0040", "Details": "9 rpm below S-0-0036", "What to do": found.rule.do, "Count": "2"},
+        "Display filter": "frame.number in {7, 9}",
+    }
+    assert (table.kinds, table.links) == (["error", "note"], {(1, 5): "parameter0"})
+    assert table.heads[5] == "Parameter"
 
 
 def test_episodes_have_a_duration_in_words() -> None:
@@ -705,7 +793,8 @@ def test_short_names_in_the_answer_are_explained() -> None:
     read = at(
         0, telegram(3, PLC, is_reaction=True), accesses=[access(3, "S-0-0040", 1, name="Velocity feedback value")]
     )
-    assert "S-0-0040: Velocity feedback value" in tables.legend(report(read, episodes=[beyond]))
+    unnamed = at(1, accesses=[access(4, "S-0-0040", 1)])
+    assert "S-0-0040: Velocity feedback value" in tables.legend(report(read, unnamed, episodes=[beyond]))
     assert tables.legend(report(read, episodes=[late])) == "Times: UTC+0100; TrS: longest reaction time allowed."
     assert tables.legend(report(read, episodes=[foreign])) == "Times: UTC+0100."
     summer = report(packet(BEGIN_S - 150 * tables.DAY_S), episodes=[foreign])
@@ -744,7 +833,7 @@ def test_windows_are_filled_with_what_may_reach_into_them() -> None:
 TOLD = {"sertap.type": FRAME, "sis.start": "0x02", "sis.checksum.status": "1", "sis.service": "0x10"}
 
 
-def printing(**captures: tuple[int, Sequence[float]]) -> Tshark:
+def printing(error: str = "", **captures: tuple[int, Sequence[float]]) -> Tshark:
     """Return a tshark that has captures: a master that asks station 3, and when."""
     rows = {
         name: [
@@ -755,7 +844,7 @@ def printing(**captures: tuple[int, Sequence[float]]) -> Tshark:
         ]
         for name, (master, seconds) in captures.items()
     }
-    return cast(Tshark, Printing(rows, [*next(iter(rows.values()))[0]]))
+    return cast(Tshark, Printing(rows, [*next(iter(rows.values()))[0]], error))
 
 
 def test_while_a_capture_is_read_something_is_said() -> None:
@@ -768,6 +857,34 @@ def test_while_a_capture_is_read_something_is_said() -> None:
     told.clear()
     assert gather(tshark, [portion], [windows.asked(2, 1)], told.append, has_windows=False).windows == []
     assert told == read
+
+
+def test_the_worst_comes_first_then_what_was_earlier(monkeypatch: pytest.MonkeyPatch) -> None:
+    hits = [
+        Hit(kind, 1, BEGIN_S + second, BEGIN_S + second) for kind, second in (("late", 9), ("lost", 2), ("late", 5))
+    ]
+    monkeypatch.setattr(Engine, "finish", lambda _: [*map(Episode.of, hits)])
+    made = gather(printing(a=(PLC, range(10))), [Portion(Path("a"))], [], print)
+    assert [one.from_s - BEGIN_S for one in made.episodes] == [5, 9, 2]
+
+
+def test_what_a_person_tells_of_the_bus_is_judged_by() -> None:
+    tshark = printing(a=(PLC, [*range(100), 130]))
+    made = gather(tshark, [Portion(Path("a"))], [], print, {"tza": 2, "trs": 50})
+    asked = " ".join(cast(Printing, tshark).asked)
+    assert "-o sis.tza_ms:2" in asked and "-o sis.trs_ms:50" in asked
+    assert any(one.startswith("Judged by TzA = 2 ms, TrS = 50 ms, ") for one in tables.remarks(made))
+    patient = THRESHOLDS._replace(bus_silent_s=60.0)
+    calm = gather(tshark, [Portion(Path("a"))], [], print, thresholds=patient)
+    assert [[one.kind for one in each.episodes] for each in (made, calm)] == [["bus_silent"], []]
+
+
+def test_what_the_report_lacks_is_said() -> None:
+    made = gather(printing("tshark: Killed", a=(PLC, [0])), [Portion(Path("a"))], [], print)
+    warning, missing = tables.remarks(made)[:2]
+    assert warning == "tshark could not read the capture to its end: Killed"
+    assert missing.startswith("The installed dissector does not know ") and "sis.trs.limit" in missing
+    assert "parameters without a description: 2" in replace(made, undescribed=2).answer[2].text
 
 
 def test_who_asked_in_a_good_capture_is_usual() -> None:

@@ -230,6 +230,7 @@ def test_other_words_of_a_telegram() -> None:
     ]
     (other,) = of(sis__command__unanswered="1", sis__reaction__again="x", sis__twm__early="x").telegrams
     assert (other.unanswered, other.is_repeat, other.signs) == (True, False, ("again", "early"))
+    assert of(sis__body__missing="1", sis__length__long="1").telegrams[0].signs == ("against",)
 
 
 # -- Reads and writes ------------------------------------------------------------------------------------------------
@@ -355,7 +356,7 @@ def test_a_row_of_the_tap_with_two_telegrams() -> None:
 
 
 KNOWN = "frame.number", "frame.time_epoch", "frame.time_relative", "sis.command_in", "sis.bus.load", "sis.start"
-TAP = "sertap.type", "sertap.event", "sertap.text"
+TAP = "frame.interface_name", "sertap.type", "sertap.event", "sertap.text"
 
 
 def row(
@@ -447,7 +448,8 @@ def test_what_a_file_begins_with_again_is_not_told_again() -> None:
         "a": [begins(1), marker],
         "b": [begins(1), told, row(3, 101, 0)],
         "c": [begins(1, "other"), told],
-        "d": [begins(1), row(2, 102, 0, type=BEFORE), begins(3, "TrS", Event.LIMITS_TOLD)],
+        "d": [begins(1) | {"frame.interface_name": "COM4"}, told],  # an adapter that was plugged in meanwhile
+        "e": [begins(1), row(2, 102, 0, type=BEFORE), begins(3, "TrS", Event.LIMITS_TOLD)],
     }
     with dissection(files) as reading:
         packets = list(reading.packets())
@@ -456,6 +458,7 @@ def test_what_a_file_begins_with_again_is_not_told_again() -> None:
         ("a marker", False),
         ("", False),
         ("other", True),
+        ("a tap", True),
         ("TrS", False),
     ]
     with dissection({"a": [begins(1)], "b": [begins(1)]}) as reading:  # two captures, each from its beginning

@@ -84,6 +84,14 @@ def test_a_long_list_is_compared_to_its_last_byte() -> None:
     assert [change is not None for change in changes] == [True, False, True]
 
 
+def test_an_empty_list_is_a_value() -> None:
+    made = Listing()
+    lists = [undescribed(3, SPEED, data, is_write=True) for data in (b"\1", b"", b"", b"\2")]
+    changes = [made.add(AccessPlace("a", packet, 0.0), one) for packet, one in enumerate(lists, 1)]
+    assert [change and change.before for change in changes] == [None, "01", None, ""]
+    assert changes[2] is None and changes[3]
+
+
 @pytest.mark.parametrize("number", [1.0, 2.0])
 def test_a_value_that_was_read_once_is_the_least_and_the_greatest(number: float) -> None:
     (one,) = listed(access(3, SPEED, number))

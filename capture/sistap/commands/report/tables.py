@@ -96,8 +96,8 @@ def answer(report: Report) -> list[str]:
 def legend(report: Report) -> str:
     """Say what the short names in the answer mean, and in which time zone its times are."""
     said = " ".join(answer(report))
-    names = {listed.parameter.ident: listed.name for listed in report.figures.parameters} | _SHORT
-    words = [f"{short}: {names[short]}" for short in dict.fromkeys(_NAMED.findall(said)) if names.get(short)]
+    names = {listed.parameter.ident: listed.name for listed in report.figures.parameters if listed.name} | _SHORT
+    words = [f"{short}: {names[short]}" for short in dict.fromkeys(_NAMED.findall(said)) if short in names]
     begun = local(report.figures.first_epoch_s or 0.0)
     zone = [f"Times: {begun:UTC%z}".removesuffix("+0000")] if begun and report.episodes else []
     return "; ".join([*zone, *words]) + "." if zone or words else ""
