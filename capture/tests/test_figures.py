@@ -8,6 +8,7 @@ kept if I + u <= L; and whether I or I less a character counts, no document says
 from __future__ import annotations
 
 import itertools
+import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -27,7 +28,7 @@ from sistap.dissected.captures.portions import Portion
 from sistap.dissected.draw.panel import Area, Strokes
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
-from sistap.dissected.episodes.rules import THRESHOLDS
+from sistap.dissected.episodes.rules import RULES, THRESHOLDS
 from sistap.dissected.packets.dissection import EXCEEDED, OK, UNRESOLVED, Dissection, Judged, Packet, Telegram
 from sistap.dissected.packets.distribution import Distribution, Slices
 from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
@@ -703,6 +704,7 @@ def test_a_row_of_an_episode_leads_to_the_curve_of_its_parameter() -> None:
         **{"Parameter": "S-0-0040", "Details": "9 rpm below S-0-0036", "What to do": found.rule.do, "Count": "2"},
         "Display filter": "frame.number in {7, 9}",
     }
+    assert cells(table)["What to do"] == RULES["late"].do != ""
     assert (table.kinds, table.links) == (["error", "note"], {(1, 5): "parameter0"})
     assert table.heads[5] == "Parameter"
 
@@ -884,7 +886,13 @@ def test_what_the_report_lacks_is_said() -> None:
     warning, missing = tables.remarks(made)[:2]
     assert warning == "tshark could not read the capture to its end: Killed"
     assert missing.startswith("The installed dissector does not know ") and "sis.trs.limit" in missing
-    assert "parameters without a description: 2" in replace(made, undescribed=2).answer[2].text
+
+
+def test_of_how_many_parameters_only_bytes_are_known_is_said() -> None:
+    said = {"access": "read", "station": "3", "device": 4, "parameter": "P-0-0012", "value": "01", "data": "01"}
+    row = {"frame.number": 1, "frame.time_epoch": BEGIN_S, "sis.access": json.dumps(said | {"raw": True})} | TOLD
+    made = gather(cast(Tshark, Printing({"a": [row]}, [*row])), [Portion(Path("a"))], [], print)
+    assert "parameters without a description: 1" in made.answer[2].text
 
 
 def test_who_asked_in_a_good_capture_is_usual() -> None:
