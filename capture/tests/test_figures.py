@@ -169,6 +169,7 @@ def test_a_rate_that_nobody_knows() -> None:
     table = tables.pauses(report(at(0, paused(1.2)), at(1, paused(3.2, 2.0, UNRESOLVED), baud=None)))
     assert [one[1] for one in table.rows] == ["", "9600 Bd"]
     assert row(table, "Unresolved") == "1; 1 depends on where TzA begins to count"
+    assert row(table, "Smallest safe TzA") == row(table, "If only the pause counts") == "4 ms"
 
 
 def test_talkers_and_rates_are_told_apart_and_lost_or_damaged_telegrams_are_not_counted() -> None:
@@ -354,6 +355,8 @@ def test_verdicts_on_each_limit() -> None:
     made = report(*(at(n, one) for n, one in enumerate([*pauses, *cycles, unresolved])))
     table = tables.verdicts(made)
     tza, _, tmas = ([*cells(table, number).values()][1:6] for number in range(3))
+    shown = [(one[0].partition(",")[0], one[-1]) for one in table.rows]
+    assert shown == [(name, f"sis.{name.lower()}.verdict == 1") for name in ("TzA", "TrS", "Tmas")]
     assert table.heads[1:6] == ("Value", "Kept", "Exceeded", "Unresolved", "No limit known")
     assert (tza, tmas) == (["4 ms", "1", "2", "3", "4"], ["100 ms, 250 ms, 300 ms, 500 ms", "0", "4", "1", "0"])
     assert table.note.startswith("4 unresolved: ")
@@ -395,6 +398,7 @@ def test_where_no_limit_is_known_nothing_is_said_to_be_kept() -> None:
     assert tables.verdicts(made).rows[1][1:6] == ("not known", "not judged", "not judged", "not judged", "1")
     assert tables.stations(made).rows[1][-2:] == ("not judged", "0")
     assert unjudged(made.figures) == ["reaction times (no TrS)"]
+    assert unjudged(report(at(0, paused(1, None, None))).figures) == ["intervals in telegrams (no TzA)"]
     assert made.answer[0].text.startswith("OK as far as it was judged, ")
 
 
@@ -402,7 +406,8 @@ def test_of_which_stations_a_limit_is_missing() -> None:
     known = [at(0, answered(judged(10 * MS, 50 * MS, OK)))]
     for count, who in ((0, []), (1, ["station 5"]), (2, ["stations 5, 6"])):
         others = [
-            at(5 + n, telegram(5 + n, PLC, is_reaction=True, reaction=Judged(0.01, None, None))) for n in range(count)
+            at(5 + n, telegram(4 + count - n, PLC, is_reaction=True, reaction=Judged(0.01, None, None)))
+            for n in range(count)
         ]
         assert unjudged(report(*known, *others).figures) == [f"reaction times of {one} (no TrS)" for one in who]
 
@@ -434,8 +439,10 @@ def test_records_of_all_kinds() -> None:
     blocks = [at(n, framing=int(Framing.PROCEDURE_3964R), intervals_s=[n * MS], **error) for n in (1, 2, 3)]
     other = at(7, type=OTHER, intervals_s=[0.5], framing=int(Framing.PROCEDURE_3964R))
     lost = at(8, framing=int(Framing.PROCEDURE_3964R), intervals_s=[9 * MS], errors=int(Flag.LOST_BEFORE))
-    said_ = said(tables.summary(report(at(0, telegram(PLC, 3)), *blocks, other, lost, at(8, type=EVENT, event=1))))
-    assert said_["Packets"] == "7: 1 telegrams, 1 other characters, 1 events, 4 handshakes and blocks of 3964R"
+    said_ = said(
+        tables.summary(report(*[at(0, telegram(PLC, 3))] * 2, *blocks, other, lost, at(8, type=EVENT, event=1)))
+    )
+    assert said_["Packets"] == "8: 2 telegrams, 1 other characters, 1 events, 4 handshakes and blocks of 3964R"
     between = "half within 2.000 ms, the longest 3.000 ms"
     assert said_["Intervals in other frames"] == f"3, from character to character: {between}"
     assert (said_["Duration"], said_["Line"]) == ("8.009 s", "9600 Bd 8E1")
@@ -788,16 +795,18 @@ def test_an_answer_with_nothing_in_it() -> None:
     assert tables.legend(began_before).startswith("Times: UTC") and row(tables.episodes(began_before), "Count") == "1"
 
 
-def test_short_names_in_the_answer_are_explained() -> None:
+@pytest.mark.parametrize("ident", ["S-0-0040", "P-0-0012"])
+def test_short_names_in_the_answer_are_explained(ident: str) -> None:
     late = Episode.of(Hit("late", 1, BEGIN_S, BEGIN_S, 3, "", "60.000 ms, TrS 50 ms"))
+    cycle = Episode.of(Hit("cycle", 1, BEGIN_S, BEGIN_S, 3))
     foreign = Episode.of(Hit("foreign", 0, BEGIN_S, BEGIN_S, detail="none of 5 records is a telegram"))
-    beyond = Episode.of(Hit("beyond", 1, BEGIN_S, BEGIN_S, 3, "S-0-0040", "3001.0 rpm above its maximum 3000 rpm"))
-    read = at(
-        0, telegram(3, PLC, is_reaction=True), accesses=[access(3, "S-0-0040", 1, name="Velocity feedback value")]
-    )
-    unnamed = at(1, accesses=[access(4, "S-0-0040", 1)])
-    assert "S-0-0040: Velocity feedback value" in tables.legend(report(read, unnamed, episodes=[beyond]))
+    beyond = Episode.of(Hit("beyond", 1, BEGIN_S, BEGIN_S, 3, ident, "3001.0 rpm above its maximum 3000 rpm"))
+    read = at(0, telegram(3, PLC, is_reaction=True), accesses=[access(3, ident, 1, name="Velocity feedback value")])
+    unnamed = at(1, accesses=[access(4, ident, 1)])
+    assert f"{ident}: Velocity feedback value" in tables.legend(report(read, unnamed, episodes=[beyond]))
     assert tables.legend(report(read, episodes=[late])) == "Times: UTC+0100; TrS: longest reaction time allowed."
+    words = "Tmas: longest time allowed between two master control words."
+    assert tables.legend(report(read, episodes=[cycle])) == f"Times: UTC+0100; {words}"
     assert tables.legend(report(read, episodes=[foreign])) == "Times: UTC+0100."
     summer = report(packet(BEGIN_S - 150 * tables.DAY_S), episodes=[foreign])
     assert tables.legend(summer) == f"Times: UTC+0{1 if WINDOWS else 2}00."

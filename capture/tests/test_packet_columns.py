@@ -380,20 +380,20 @@ def dissection(
 
 TWO = {
     "a": [row(1, 100, 0), row(2, 101, 1, 1, 40.0)],
-    "b": [row(1, 200, 0, load=100.0), row(2, 200.5, 0.5, 1, 90.0), row(3, 201, 1, load=30.0)],
+    "b": [row(1, 200, 0, load=100.0), row(2, 200.96875, 0.96875, 1, 90.0), row(3, 201, 1, load=30.0)],
 }
 
 
 def test_packets_of_several_captures_count_on_and_so_do_their_seconds() -> None:
     with dissection(TWO) as reading:
         packets = list(reading.packets())
-        assert [(one.number, one.time_s) for one in packets] == [(1, 0), (2, 1), (3, 100), (4, 100.5), (5, 101)]
+        assert [(one.number, one.time_s) for one in packets] == [(1, 0), (2, 1), (3, 100), (4, 100.96875), (5, 101)]
         commands = [one.telegrams[0].command_in for one in packets]
         assert commands == [None, 1, None, 3, None]
         # In its first second, the load is of less than a second.
         assert [one.telegrams[0].load_percent for one in packets] == [None, 40.0, None, None, 30.0]
-        again = [(one.number, one.time_s) for one in reading.again([Span(1, 1), Span(100.5, 101)])]
-        assert again == [(2, 1), (4, 100.5), (5, 101)]
+        again = [(one.number, one.time_s) for one in reading.again([Span(1, 1), Span(100.96875, 101)])]
+        assert again == [(2, 1), (4, 100.96875), (5, 101)]
         assert "sis.talker" in reading.missing and "sis.start" not in reading.missing
     with dissection(TWO, keeps=False) as reading:
         assert list(reading.packets()) and not list(reading.again([Span(0, 1000)]))
@@ -434,7 +434,7 @@ def test_what_was_told_before_a_file_has_no_number() -> None:
 def test_what_came_before_a_time_only_teaches() -> None:
     with dissection(TWO, since_s=101) as reading:
         packets = [(one.time_s, one.is_before) for one in reading.packets()]
-        assert packets == [(0, True), (0, False), (99, False), (99.5, False), (100, False)]
+        assert packets == [(0, True), (0, False), (99, False), (99.96875, False), (100, False)]
         assert [one.number for one in reading.again([Span(-1, 1000)])] == [2, 3, 4, 5]
 
 
@@ -443,10 +443,10 @@ def test_what_a_file_begins_with_again_is_not_told_again() -> None:
         return row(number, 100, 0, type=EVENT, event=int(event), text=text)
 
     told = begins(2, "", Event.TOLD_BEFORE)
-    marker = begins(2, "a marker", Event.MARKER)
+    marker, limits = begins(2, "a marker", Event.MARKER), begins(2, "TzA", Event.LIMITS_TOLD)
     files = {
-        "a": [begins(1), marker],
-        "b": [begins(1), told, row(3, 101, 0)],
+        "a": [begins(1), limits, marker],
+        "b": [begins(1), limits, told, row(3, 101, 0)],
         "c": [begins(1, "other"), told],
         "d": [begins(1) | {"frame.interface_name": "COM4"}, told],  # an adapter that was plugged in meanwhile
         "e": [begins(1), row(2, 102, 0, type=BEFORE), begins(3, "TrS", Event.LIMITS_TOLD)],
@@ -455,6 +455,7 @@ def test_what_a_file_begins_with_again_is_not_told_again() -> None:
         packets = list(reading.packets())
     assert [(one.text, one.is_again) for one in packets] == [
         ("a tap", False),
+        ("TzA", False),
         ("a marker", False),
         ("", False),
         ("other", True),
