@@ -76,6 +76,7 @@ PARTS = (
     Part("sistap/dissected/packets/dissection.py", (*PACKETS, "test_rows.py")),
     *room("sistap/dissected/accesses", "access listing", ACCESSES),
     *room("sistap/commands/report", "figures pauses tables unjudged windows", REPORT),
+    *room("sistap/commands/report", "curved curves", ("test_report_parameters.py", *REPORT)),
     Part("sistap/commands/report/gather.py", ("test_report_since.py", *REPORT)),
     *room("sistap/commands/parameters", "against backup wide writing", PARAMETERS),
     *room(

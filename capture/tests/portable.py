@@ -54,6 +54,10 @@ NO_TSHARK = ("no Wireshark was found", advice().no_wireshark) if WINDOWS else ("
 compiled = posix("no gcc that makes modules of Linux")
 
 
+# With summer time, by rules that need no file.
+BERLIN = "CET-1" if WINDOWS else "CET-1CEST,M3.5.0,M10.5.0/3"
+
+
 def descriptors() -> set[str]:
     """Return which descriptors are open: none is new after a test, but some of an earlier one may have gone."""
     return set() if WINDOWS else set(os.listdir("/proc/self/fd"))
@@ -65,6 +69,15 @@ def take_over_zone() -> None:
         ctypes.CDLL("ucrtbase")._tzset()
     else:
         time.tzset()
+
+
+def zone(monkeypatch: pytest.MonkeyPatch, name: str) -> Iterator[None]:
+    """Set the time zone, in a fixture."""
+    with monkeypatch.context() as patched:
+        patched.setenv("TZ", name)
+        take_over_zone()
+        yield
+    take_over_zone()
 
 
 def lacking(file: Path, system: str = sys.platform) -> str:

@@ -7,19 +7,14 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 
 import pytest
-from portable import WINDOWS, posix, take_over_zone
+from portable import BERLIN, posix, zone
 
 from sistap.commands.annotate.stamps import TimestampParser
 
 
 @pytest.fixture(autouse=True)
 def _berlin(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Be in a zone with summer time, whose rules need no file."""
-    monkeypatch.setenv("TZ", "CET-1" if WINDOWS else "CET-1CEST,M3.5.0,M10.5.0/3")
-    take_over_zone()
-    yield
-    monkeypatch.undo()
-    take_over_zone()
+    yield from zone(monkeypatch, BERLIN)
 
 
 def read(clock: TimestampParser, text: str) -> str:

@@ -14,9 +14,7 @@ from commands import run
 
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.explain.fields import Fields
-from sistap.dissected.packets.apart import apart
 from sistap.dissected.packets.dissection import FIELDS, Dissection, Telegram, packet_of
-from sistap.dissected.wireshark.rows import JOINT
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files import pcapng
 from sistap.tap.sis.telegram import build
@@ -115,44 +113,3 @@ def test_a_report_says_the_same(tmp_path: Path) -> None:
     happened = [[(one["kind"], one["station"], one["count"], one["text"]) for one in side["episodes"]] for side in told]
     assert happened[0] == happened[1]
     assert [(kind, station) for kind, station, _, _ in happened[0] if kind == "silent"] == [("silent", 4)]
-
-
-def test_values_are_dealt_out_by_what_the_later_telegrams_say() -> None:
-    columns = {
-        "frame.number": "7",
-        "sis.start": JOINT.join(["0x02", "0x02"]),
-        "sis.status": JOINT.join(["0x00", "0x01", "0x02"]),
-        "sis.talker": JOINT.join(["3", "4"]),
-        "sis.phase": "4",
-        "sis.command_in": "6",
-        "sis.parameter": "S-0-0036",
-        "sis.packed": "sis.parameter=1 sis.start=1 sis.status=2 sis.talker=1 sis.value=1",
-        "sis.value": "",
-    }
-    first, second = apart(columns, 2)
-    assert first == {
-        "sis.start": "0x02",
-        "sis.status": "0x00",
-        "sis.talker": "3",
-        "sis.phase": "4",
-        "sis.command_in": "6",
-    }
-    assert second == {
-        **{"sis.start": "0x02", "sis.status": JOINT.join(["0x01", "0x02"]), "sis.talker": "4"},
-        "sis.parameter": "S-0-0036",
-    }
-
-
-def test_what_stands_in_the_place_of_a_telegram_is_none() -> None:
-    columns = {
-        "sis.start": JOINT.join(["0x02", "0x02"]),
-        "sis.raw": "ff",
-        "sis.packed": JOINT.join(["sis.raw=1", "sis.start=1"]),
-    }
-    assert apart(columns, 2) == [{"sis.start": "0x02"}, {"sis.start": "0x02"}]
-
-
-def test_what_cannot_be_dealt_out_is_left_out() -> None:
-    """An empty text is not printed, so one of these is missing."""
-    columns = {"sis.start": JOINT.join(["0x02", "0x02"]), "sis.value": "1", "sis.packed": "sis.start=1 sis.value=2"}
-    assert apart(columns, 2) == [{"sis.start": "0x02"}, {"sis.start": "0x02"}]

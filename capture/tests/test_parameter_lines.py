@@ -13,7 +13,7 @@ from sistap.commands.parameters.backup import Drive, Saved
 from sistap.commands.parameters.reading import FoundAccess
 from sistap.commands.parameters.writing import list_as_csv, list_as_text, user_table
 from sistap.dissected.accesses import listing
-from sistap.dissected.accesses.access import Access
+from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.accesses.listing import AccessPlace, Listing
 from sistap.dissected.telegrams.attribute import Attribute, Format
 from sistap.dissected.telegrams.values import encoded
@@ -38,8 +38,10 @@ READS = access(3, SPEED, 7.0), access(3, SPEED, 5.0), access(3, SPEED, 9.0, is_w
 
 
 def test_a_row_of_the_list() -> None:
-    heads, row = list_as_text(listed(*READS, access(3, SPEED, "", error="0x7002")), several_files=False)
-    words = ["3", "4", SPEED, "rpm", "2", "1", "1", "7.0 rpm", "9.0 rpm", "5.0 rpm", "9.0 rpm", "127", "3"]
+    """PLC writes 8, the laptop 9; what is refused is no write, and no value."""
+    refused = access(3, SPEED, "", error="0x7002", is_write=True)
+    heads, row = list_as_text(listed(access(3, SPEED, 8.0, is_write=True), *READS, refused), several_files=False)
+    words = ["3", "4", SPEED, "rpm", "2", "2", "1", "8.0 rpm", "9.0 rpm", "5.0 rpm", "9.0 rpm", "127", "4"]
     assert [word.strip() for word in row.split("  ") if word.strip()] == words
     assert not {"Port", "File", "Bytes"} & set(heads.split())
     assert [*list_as_text(listed(), several_files=False)] == []
@@ -55,16 +57,15 @@ def test_after_a_write_of_a_part_the_value_is_not_known() -> None:
     assert [change is not None for change in changes] == [False, False, True, True]
 
 
-def test_the_greatest_of_several_and_the_unit_told_last() -> None:
-    (one,) = listed(
-        *(access(3, SPEED, number, unit=unit) for number, unit in ((1.0, "rpm"), (9.0, "rpm"), (5.0, "1/s")))
-    )
-    assert one.greatest and (one.greatest.number, one.unit) == (9, "1/s")
+def test_the_greatest_of_several() -> None:
+    (one,) = listed(*(access(3, SPEED, number) for number in (1.0, 9.0, 5.0)))
+    assert one.greatest and one.greatest.number == 9
 
 
-def test_zero_is_a_least_value() -> None:
-    (one,) = listed(access(3, SPEED, 0.0), access(3, SPEED, 0.5))
-    assert one.least and one.least.number == 0
+@pytest.mark.parametrize("other", [0.5, -0.5])
+def test_zero_may_be_the_least_or_the_greatest(other: float) -> None:
+    (one,) = listed(access(3, SPEED, 0.0), access(3, SPEED, other))
+    assert one.least and one.greatest and (one.least.number, one.greatest.number) == (min(other, 0), max(other, 0))
 
 
 def test_a_text_that_is_written_again_is_no_change() -> None:
@@ -83,20 +84,34 @@ def test_a_long_list_is_compared_to_its_last_byte() -> None:
     assert [change is not None for change in changes] == [True, False, True]
 
 
+def test_an_empty_list_is_a_value() -> None:
+    made = Listing()
+    lists = [undescribed(3, SPEED, data, is_write=True) for data in (b"\1", b"", b"", b"\2")]
+    changes = [made.add(AccessPlace("a", packet, 0.0), one) for packet, one in enumerate(lists, 1)]
+    assert [change and change.before for change in changes] == [None, "01", None, ""]
+    assert changes[2] is None and changes[3]
+
+
 @pytest.mark.parametrize("number", [1.0, 2.0])
 def test_a_value_that_was_read_once_is_the_least_and_the_greatest(number: float) -> None:
     (one,) = listed(access(3, SPEED, number))
     assert one.least and one.greatest and (one.least.number, one.greatest.number) == (number, number)
 
 
-def test_the_limits_of_a_parameter_are_those_told_last() -> None:
-    told: dict[str, Any] = {"minimum": "-10 rpm", "maximum": "10 rpm"}
-    (one,) = listed(access(3, SPEED, 1.0, **told), access(3, SPEED, 1.0))
-    assert (one.minimum, one.maximum) == ("-10 rpm", "10 rpm")
+def test_name_unit_and_limits_are_those_told_last() -> None:
+    names = "name", "unit", "minimum", "maximum"
+    told: list[dict[str, Any]] = [dict(zip(names, texts.split(), strict=True)) for texts in ("a b c d", "A B C D")]
+    (one,) = listed(*(access(3, SPEED, 1.0, **said) for said in (*told, dict.fromkeys(names, ""))))
+    assert [getattr(one, name) for name in names] == [*"ABCD"]
 
 
 def test_who_asked() -> None:
     assert [access(3, SPEED, 1.0, master=master).by for master in (0, 127, None)] == ["0", "127", "ASCII"]
+
+
+@pytest.mark.parametrize(("value", "plain"), [(0.0, 0.0), ("on", "on"), ("", None)])
+def test_a_value_for_programs_has_no_unit(value: str | float, plain: str | float | None) -> None:
+    assert access(3, SPEED, value).plain == plain
 
 
 def test_accesses_that_do_not_fit_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -193,7 +208,8 @@ def test_a_time_may_have_a_fraction(fraction: str, ns: int) -> None:
     assert time == (86_401).to_bytes(4, "little") + ns.to_bytes(4, "little")
 
 
-def test_parameters_are_sorted_by_their_numbers() -> None:
-    accesses = [access(station, SPEED, 1.0) for station in ("10", "3/2/8", "3", "5")]
-    made = listed(*accesses)
-    assert [one.parameter.station for one in made] == ["3", "3/2/8", "5", "10"]
+def test_parameters_are_sorted_by_port_and_numbers() -> None:
+    own = ("b", "10", 4), ("b", "3/2/8", 4), ("b", "3", 10), ("b", "3", 9), ("b", "5", 4), ("a", "99", 4)
+    keys = [Parameter(*one, ident) for one in own for ident in ("S-0-0041", "S-0-0040")]
+    made = listed(*(access(3, SPEED, 1.0)._replace(parameter=key) for key in keys))
+    assert [one.parameter for one in made] == [keys[place] for place in (11, 10, 7, 6, 5, 4, 3, 2, 9, 8, 1, 0)]

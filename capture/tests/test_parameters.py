@@ -13,12 +13,11 @@ import pytest
 from commands import refused, run
 from report_capture import Sent, write
 
-from sistap.dissected.accesses.access import Access, Parameter, accesses
+from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.accesses.listing import MOST, AccessPlace, Listing
 from sistap.dissected.captures import reading
 from sistap.tap.files import pcapng
 from sistap.tap.sis.telegram import build
-from sistap.tap.terminal.console import visible
 
 HOUSE = Path(__file__).parent.parent.parent
 CAPTURE = HOUSE / "test-captures" / "accesses.pcapng"
@@ -196,32 +195,6 @@ def test_memory_is_bounded() -> None:
         listing.add(PLACE, WRITTEN._replace(parameter=WRITTEN.parameter._replace(ident=f"S-0-{number}")))
     assert len(listing) == MOST
     assert listing.left_out == 2
-
-
-ODD_TEXT = 'a\\b \\\\ \\u0041 \\n "q" \xa0\xe4\u2409'  # as the plugin shows it; a no-break space cannot be seen
-
-
-@pytest.mark.parametrize("is_doubled", [False, True], ids=["4.0", "4.2"])
-def test_a_text_with_quotes_and_backslashes(is_doubled: bool) -> None:
-    """`-T fields` doubles each backslash since Wireshark 4.2; the tap, and 4.0, do not."""
-    escaped = "".join(c if c.isalnum() and c.isascii() else f"\\u{ord(c):04x}" for c in ODD_TEXT)
-    row = f'{{"access":"read","master":16,"station":"3","device":5,"parameter":"S-0-0030","value":"{escaped}"}}'
-    row = row.replace("\\", "\\\\") if is_doubled else row
-    assert [access.value for access in accesses("", row)] == [visible(ODD_TEXT)]
-
-
-@pytest.mark.parametrize("number", range(6))
-def test_an_access_that_nobody_understands_is_left_out(number: int) -> None:
-    texts = '{"value":"\\x"}', "{}", "[]", "1", "{", '{"access":"read","number":' + "1" * 5000 + "}"
-    assert list(accesses("", texts[number])) == []
-
-
-@pytest.mark.parametrize("digits", ["1" * 400, "-" + "1" * 400 + ".5"], ids=["integer", "decimals"])
-def test_a_number_that_is_too_large(digits: str) -> None:
-    """The ASCII protocol has digits without an end."""
-    row = f'{{"access":"read","station":"3","device":5,"parameter":"S-0-0030","value":"{digits}","number":{digits}}}'
-    (access,) = accesses("", row)
-    assert (access.number, access.value) == (None, digits)
 
 
 # Names and units of a drive, in Latin-1, and how they are shown: plugin/parameters/text.c, then what nobody sees.

@@ -38,21 +38,33 @@ def test_a_share_of_many_times_is_as_exact_as_a_bin(times: list[float], share: f
 def test_of_many_times_the_later_ones_count_too() -> None:
     distribution = Distribution()
     distribution.add([0.001] * Distribution.FEW)
-    distribution.add([0.005] * 3 * Distribution.FEW)
-    assert (distribution.within_s(0.25), distribution.within_s(0.5)) == (0.001, 0.005)
+    distribution.add([0.005] * 3 * Distribution.FEW + [0.02])
+    assert [distribution.within_s(share) for share in (0.2, 0.5, 1.0)] == [0.001, 0.005, 0.02]
 
 
 def test_of_several_parts_together_all_count() -> None:
     few, many = Distribution(), Distribution()
-    few.add([0.005] * 10)
+    few.add([0.005])
     many.add([0.001] * 2 * Distribution.FEW)
-    assert Distribution.union([few, many]).within_s(0.5) == 0.001
+    both = Distribution.union([few, many])
+    assert (both.within_s(0.5), both.within_s(1.0)) == (0.001, 0.005)
+
+
+def test_times_that_are_nearly_equal_are_told_apart_if_they_are_few() -> None:
+    """1 and 1.01 ms are in one bin."""
+    parts = Distribution(), Distribution()
+    for part, time_s in zip(parts, (0.00101, 0.001), strict=True):
+        part.add([time_s])
+        part.add([time_s])
+    assert Distribution.union(parts).within_s(0.5) == 0.001
+    parts[0].add([0.001] * 2)
+    assert parts[0].within_s(0.5) == 0.001
 
 
 def test_of_many_times_the_zeros_count_too() -> None:
     """Of one read, all but one interval are 0."""
     distribution = Distribution()
-    distribution.add([0.0] * 2 * Distribution.FEW + [0.001] * Distribution.FEW)
+    distribution.add([0.0] * 2 * Distribution.FEW + [0.001] * 2 * Distribution.FEW)
     assert (distribution.within_s(0.5), distribution.within_s(0.9)) == (0.0, 0.001)
 
 
@@ -72,6 +84,7 @@ def test_count_sum_and_extremes_are_exact(parts: list[list[float]]) -> None:
 def test_bins_are_bounded() -> None:
     distribution = Distribution()
     distribution.add([1e-9 * 1.001**number for number in range(30_000)])  # 13 decades
+    assert not distribution._waiting
     assert len(distribution.bins) <= 13.1 * Distribution.PER_DECADE
 
 
@@ -98,6 +111,6 @@ def test_a_load_is_the_most_in_its_slice() -> None:
     slices.add_load(slices.at([10.0])[0], 20.0)
     assert [load for load in slices.loads if load is not None] == [40.0, 20.0]
     both = Slices()
-    for time, load in ((0.0, 40.0), (0.001, 10.0), (1.0, 5.0)):  # then the first two are in one slice
+    for time, load in ((0.0, 10.0), (0.001, 40.0), (1.0, 5.0)):  # then the first two are in one slice
         both.add_load(both.at([time])[0], load)
     assert [load for load in both.loads if load is not None] == [40.0, 5.0]

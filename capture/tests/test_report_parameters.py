@@ -19,7 +19,7 @@ from sistap.commands.report.figures import Figures
 from sistap.commands.report.gather import Report, gather
 from sistap.commands.report.page import page
 from sistap.dissected.accesses.access import Access, Parameter
-from sistap.dissected.accesses.listing import AccessPlace
+from sistap.dissected.accesses.listing import AccessPlace, Listed
 from sistap.dissected.captures.portions import Portion
 from sistap.dissected.draw.panel import Bar, Dots, Panel, Polyline
 from sistap.dissected.episodes.episode import Episode, Hit
@@ -118,7 +118,7 @@ def test_a_curve_has_what_happened_and_its_place_on_the_page(report: Report, sha
     """Links alone lead from a parameter to its curve, from there to what happened, and back."""
     begin_s = report.figures.first_epoch_s or 0.0
     of_it = Hit("step", 1, begin_s + 1, begin_s + 2, 3, "P-0-0012", port="accesses")
-    hits = [of_it, of_it._replace(parameter="S-0-0047"), of_it._replace(station=4)]
+    hits = [of_it, of_it._replace(parameter="S-0-0047"), of_it._replace(station=4), of_it._replace(port="other")]
     told = replace(report, episodes=[Episode.of(hit) for hit in hits])
     (drawing,) = plots.values(told)
     ((panel,),) = drawing.draw()
@@ -132,6 +132,12 @@ def test_a_curve_has_what_happened_and_its_place_on_the_page(report: Report, sha
     assert found and f"<code>{html.escape(curved.wireshark_filter(listed))}</code>" in text
 
 
+@pytest.mark.parametrize(("reads", "who"), [(1, "talker"), (0, "station")])
+def test_who_only_writes_hears_no_value_from_the_station(reads: int, who: str) -> None:
+    listed = Listed(Parameter("", "3/8", 5, "S-0-0036"), reads=reads)
+    assert curved.wireshark_filter(listed) == f'sis.{who} == 3 && sis.parameter == "S-0-0036"'
+
+
 def curve(times_s: list[float]) -> Curve:
     made = Curve()
     for number, time_s in enumerate(times_s):
@@ -140,10 +146,10 @@ def curve(times_s: list[float]) -> Curve:
 
 
 def test_a_long_time_without_a_value_is_a_gap() -> None:
-    """Every second, but for 40 s; of 10 s, ten times the usual, nobody can say so."""
-    times_s = [*range(10), *range(19, 30), *range(69, 80)]
-    pieces = list(curve([float(time_s) for time_s in times_s]).pieces(duration_s=80))
-    assert [(piece[0].begin_s, piece[-1].end_s) for piece in pieces] == [(0, 29), (69, 79)]
+    """Every 2 s, but for 80 s; of 20 s, ten times the usual, nobody can say so."""
+    times_s = [*range(0, 20, 2), *range(38, 60, 2), *range(138, 160, 2)]
+    pieces = list(curve([float(time_s) for time_s in times_s]).pieces(duration_s=160))
+    assert [(piece[0].begin_s, piece[-1].end_s) for piece in pieces] == [(0, 58), (138, 158)]
 
 
 def test_a_gap_too_short_to_be_seen_is_none() -> None:

@@ -20,22 +20,13 @@ from machines import (
     telegram,
     undescribed,
 )
-from portable import posix, take_over_zone
+from portable import posix, zone
 
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.lines import clock_of
 from sistap.dissected.wireshark.rows import OTHER
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import Event
-
-
-def zone(monkeypatch: pytest.MonkeyPatch, name: str) -> Iterator[None]:
-    """Set the time zone."""
-    with monkeypatch.context() as patched:
-        patched.setenv("TZ", name)
-        take_over_zone()
-        yield
-    take_over_zone()
 
 
 @pytest.fixture(autouse=True)

@@ -11,6 +11,7 @@ from sistap.dissected.accesses.access import Access, Parameter
 
 MOST_CURVES = 200
 MOST_POINTS = 600  # of a curve; more are joined, neighbour with neighbour
+_LEAST_S = 0.001  # width of a slot; each later one is twice as wide
 _LONG = 10  # times the usual time between two values: then nothing was read for long
 _VISIBLE = 0.02  # and this part of the whole time
 
@@ -41,13 +42,13 @@ class Curve:
         """Begin with none."""
         self.points: list[CurvePoint] = []
         self.count = 0  # of values
-        self.writes = 0
+        self.is_written = False
         self._width_s = 0.0  # of a slot, the values of which are joined
 
     def add(self, time_s: float, number: float, *, is_written: bool) -> None:
         """Add a value."""
         self.count += 1
-        self.writes += is_written
+        self.is_written |= is_written
         self._put(self.points, CurvePoint(time_s, time_s, number, number, number, number, is_written))
         while len(self.points) > MOST_POINTS:
             self._widen()
@@ -62,8 +63,7 @@ class Curve:
         return int(point.begin_s / self._width_s)  # around 0 both signs: times may go back, and it has to end
 
     def _widen(self) -> None:
-        span_s = abs(self.points[-1].begin_s - self.points[0].begin_s)
-        self._width_s = max(self._width_s * 2, 2 * span_s / MOST_POINTS, 1e-9)
+        self._width_s = max(self._width_s * 2, _LEAST_S)
         joined: list[CurvePoint] = []
         for point in self.points:
             self._put(joined, point)
@@ -107,4 +107,4 @@ class Curves:
     def moved(self) -> dict[Parameter, Curve]:
         """Return those whose value was not the same all the time: the written ones first, then the often read."""
         found = [(parameter, curve) for parameter, curve in self._curves.items() if curve.moved]
-        return dict(sorted(found, key=lambda item: (not item[1].writes, -item[1].count)))
+        return dict(sorted(found, key=lambda item: (not item[1].is_written, -item[1].count)))

@@ -27,14 +27,14 @@ SILENCE_S = 0.2  # after which an operator terminal gives up (IF02 chapter 10.1)
 class Limit:
     """A time that the bus or a preference limits: what the dissector judged of it."""
 
-    limits_s: Counter[float] = field(default_factory=Counter)
+    limits_s: set[float] = field(default_factory=set)  # those that held
     verdicts: Counter[int | None] = field(default_factory=Counter)  # OK, EXCEEDED, UNRESOLVED; None: no limit known
 
     def add(self, judged: Judged, count: int) -> None:
         """Count so many that were judged in the same way."""
         self.verdicts[judged.verdict] += count
         if judged.limit_s is not None:
-            self.limits_s[judged.limit_s] += count
+            self.limits_s.add(judged.limit_s)
 
 
 @dataclass
@@ -108,8 +108,8 @@ class Figures:
     good: int = 0
     first_epoch_s: float | None = None
     duration_s: float = 0.0
-    interfaces: Counter[str] = field(default_factory=Counter)
-    settings: Counter[tuple[int, str]] = field(default_factory=Counter)  # rate and format
+    interfaces: dict[str, None] = field(default_factory=dict)  # in the order in which they came
+    settings: dict[tuple[int, str], None] = field(default_factory=dict)  # rate and format, in the same order
     events: list[Packet] = field(default_factory=list)  # the first ones
     exactness: ExactnessFigures = field(default_factory=ExactnessFigures)
     framings: Counter[int] = field(default_factory=Counter)  # frames that are no SIS telegrams, by framing
@@ -154,7 +154,7 @@ class Figures:
         packet, count = packets[0], len(packets)
         at = self.slices.at([one.time_s for one in packets])
         self.records[packet.type] += count
-        self.interfaces[packet.interface] += count
+        self.interfaces[packet.interface] = None
         self.duration_s = max([self.duration_s, *[one.time_s + one.length_s for one in packets]])
         if packet.type in (FRAME, OTHER):
             self._add_records(packets)
@@ -169,7 +169,7 @@ class Figures:
         packet, count = packets[0], len(packets)
         self.exactness.add(packets)
         if packet.baud:
-            self.settings[packet.baud, packet.format] += count
+            self.settings[packet.baud, packet.format] = None
         if packet.type == FRAME and packet.framing:
             self.framings[packet.framing] += count
             if not packet.errors & LOST:

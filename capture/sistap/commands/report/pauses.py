@@ -48,7 +48,7 @@ class Pause:
     position: int | None = None  # of the character after the longest, from 1
     most_s: float = 0.0  # the largest I + u
     most_alone_s: float = 0.0  # the same of the pause alone
-    unknown: int = 0  # telegrams without an uncertainty
+    has_unknown: bool = False  # a telegram without an uncertainty
     unresolved: int = 0
     ambiguous: int = 0  # of these: no uncertainty decides them, because they depend on what counts
     exact_s: float = math.inf  # an uncertainty that would have decided all others of these
@@ -66,7 +66,7 @@ class Pause:
         self.times.add([pause.time_s for _, pause in found if pause.time_s])
         self._note_longest(*max(found, key=lambda one: one[1].time_s))
         known = [(pause.time_s, packet.uncertainty_s) for packet, pause in found if packet.uncertainty_s is not None]
-        self.unknown += len(found) - len(known)
+        self.has_unknown |= len(known) < len(found)
         if not known:
             return
         most_s = max(time_s + uncertainty_s for time_s, uncertainty_s in known)
@@ -92,7 +92,7 @@ class Pause:
 
     def _note_longest(self, packet: Packet, pause: Judged) -> None:
         """Note the longest of some packets. Of equal ones, the first counts."""
-        is_first = pause.time_s == self.longest_s > 0 and packet.number < self._longest_in
+        is_first = pause.time_s == self.longest_s and packet.number < self._longest_in
         if pause.time_s > self.longest_s or is_first:
             self.longest_s, self.position = pause.time_s, packet.telegrams[0].pause_position
             self._longest_in = packet.number
@@ -108,7 +108,7 @@ class Pause:
         return self._whole_ms(self.most_alone_s)
 
     def _whole_ms(self, most_s: float) -> int | None:
-        return None if self.unknown or not self.telegrams else max(math.ceil(round(most_s * 1e3, 6)), 1)
+        return None if self.has_unknown or not self.telegrams else max(math.ceil(round(most_s * 1e3, 6)), 1)
 
     @property
     def one_in(self) -> int:

@@ -96,8 +96,8 @@ def answer(report: Report) -> list[str]:
 def legend(report: Report) -> str:
     """Say what the short names in the answer mean, and in which time zone its times are."""
     said = " ".join(answer(report))
-    names = {listed.parameter.ident: listed.name for listed in report.figures.parameters} | _SHORT
-    words = [f"{short}: {names[short]}" for short in dict.fromkeys(_NAMED.findall(said)) if names.get(short)]
+    names = {listed.parameter.ident: listed.name for listed in report.figures.parameters if listed.name} | _SHORT
+    words = [f"{short}: {names[short]}" for short in dict.fromkeys(_NAMED.findall(said)) if short in names]
     begun = local(report.figures.first_epoch_s or 0.0)
     zone = [f"Times: {begun:UTC%z}".removesuffix("+0000")] if begun and report.episodes else []
     return "; ".join([*zone, *words]) + "." if zone or words else ""
@@ -229,8 +229,8 @@ def events(report: Report) -> ReportTable:
 
 
 def _event(code: int | None) -> str:
-    known = {int(event): event.name.replace("_", " ").capitalize() for event in Event}
-    return known.get(code or 0, f"Event {code}")
+    known: dict[int | None, str] = {int(event): event.name.replace("_", " ").capitalize() for event in Event}
+    return known.get(code, f"Event {code}")
 
 
 def verdicts(report: Report) -> ReportTable:
@@ -296,7 +296,7 @@ def pauses(report: Report) -> ReportTable:
 def _decided(one: Pause) -> str:
     """Say how exact the times would have to be to decide what is unresolved."""
     others, parts = one.unresolved - one.ambiguous, []
-    if others and one.exact_s < _EXACT_S:
+    if one.exact_s < _EXACT_S:
         parts.append("exactly the limit")
     elif others:
         parts.append(f"an uncertainty below {ms(one.exact_s)} decides {others if one.ambiguous else 'them'}")

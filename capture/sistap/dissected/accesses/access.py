@@ -46,9 +46,7 @@ class Access(NamedTuple):
     @property
     def plain(self) -> float | str | None:
         """Return the value as a number without its unit, if it is one. None: it was refused, or is not known."""
-        if self.error or not self.value:
-            return None
-        return self.value if self.number is None else self.number
+        return (self.value or None) if self.number is None else self.number
 
     @property
     def whole(self) -> str | None:
@@ -68,7 +66,7 @@ def accesses(port: str, text: str) -> list[Access]:
     if JOINT not in text:
         access = _known(port, text) if len(text) < _LONG else _access(port, text)
         return [] if access is None else [access]
-    found = (_known(port, one) if len(one) < _LONG else _access(port, one) for one in text.split(JOINT) if one)
+    found = (_known(port, one) if len(one) < _LONG else _access(port, one) for one in text.split(JOINT))
     return [access for access in found if access is not None]
 
 

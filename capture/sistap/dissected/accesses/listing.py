@@ -126,11 +126,6 @@ class Listing:
     def __len__(self) -> int:
         return len(self._listed)
 
-    @property
-    def errors(self) -> int:
-        """Return the number of refusals."""
-        return sum(listed.errors for listed in self._listed.values())
-
 
 def _digest(whole: str) -> str:
     """Return what stands for a long value."""

@@ -367,10 +367,10 @@ def _of_traffic(packets: Iterable[Packet]) -> Iterator[Packet]:
     begun: set[tuple[str, int | None, str]] = set()
     beginning: list[Packet] = []
     for packet in packets:
-        if packet.type == EVENT and packet.event in _BEGINNING:
+        if packet.event in _BEGINNING:
             beginning.append(packet)
             continue
-        is_again = packet.type == BEFORE or (packet.type == EVENT and packet.event == Event.TOLD_BEFORE)
+        is_again = packet.type == BEFORE or packet.event == Event.TOLD_BEFORE
         if beginning:
             yield from _described(beginning, begun, is_again=is_again)
             beginning = []
@@ -461,11 +461,11 @@ class _Alike:
     @classmethod
     def of(cls, columns: Mapping[str, str], parts: Sequence[Mapping[str, str]]) -> _Alike:
         """Work it out, with the columns of each telegram."""
-        found = {fault: 1 for fault in _faults(columns)}
+        faults = _faults(columns)
         if len(parts) > 1:
             counts = Counter(fault for part in (beside(columns), *parts) for fault in _faults(part))
-            found = {fault: max(counts[fault], 1) for fault in found}
-        faults = tuple(fault for fault, count in found.items() for _ in range(count))
+            counts |= Counter(faults)  # what cannot be dealt out counts once
+            faults = tuple(fault for fault in FAULTS for _ in range(counts[fault]))
         unknown = _how_often(columns.get("sertap.interval.unknown"))
         return cls(columns, _making(columns, faults), parts, [_AlikeTelegram.of(part) for part in parts], unknown)
 

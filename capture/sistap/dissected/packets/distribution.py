@@ -134,13 +134,13 @@ class Distribution:
             return quantile(sorted(self._few), share)
         wanted = share * self.count
         passed = self.zeros
-        if not self.count or passed >= wanted:
-            return 0.0
-        for number in sorted(self.bins):
-            passed += self.bins[number].count
+        longest_s = 0.0
+        for _, found in sorted(self.bins.items()):
             if passed >= wanted:
-                return self.bins[number].longest_s
-        return self.longest_s
+                break
+            passed += found.count
+            longest_s = found.longest_s
+        return longest_s
 
     @property
     def average_s(self) -> float:
@@ -176,16 +176,19 @@ class Slices:
         self.width_s = 0.001
         self.counts: defaultdict[str, list[int]] = defaultdict(lambda: [0] * self.COUNT)
         self.loads: list[float | None] = [None] * self.COUNT  # percent; the highest in each slice, None: no telegram
-        self.used = 0  # number of slices in use
+        self.latest_s = 0.0
 
     def at(self, times_s: Sequence[float]) -> Sequence[int]:
         """Return the slices of times since the first packet; an earlier time belongs to the first."""
-        latest_s = max(times_s)
-        while int(latest_s / self.width_s) >= self.COUNT:
+        self.latest_s = max(self.latest_s, *times_s)
+        while self.used > self.COUNT:
             self._double()
-        numbers = [max(int(time_s / self.width_s), 0) for time_s in times_s]
-        self.used = max(self.used, max(numbers) + 1)
-        return numbers
+        return [max(int(time_s / self.width_s), 0) for time_s in times_s]
+
+    @property
+    def used(self) -> int:
+        """Return the number of slices in use."""
+        return int(self.latest_s / self.width_s) + 1
 
     def count(self, name: str, numbers: Iterable[int]) -> None:
         """Count something in each of these slices."""
@@ -200,7 +203,6 @@ class Slices:
 
     def _double(self) -> None:
         self.width_s *= 2
-        self.used = (self.used + 1) // 2
         rest = self.COUNT // 2
         for counts in self.counts.values():
             counts[:] = [a + b for a, b in zip(counts[::2], counts[1::2], strict=True)] + [0] * rest
