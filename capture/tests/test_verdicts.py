@@ -317,10 +317,10 @@ CASES = (
     ),
     Case(
         "changed",
-        reads(*[access(5, "P-0-0222", "0")] * 3, *[access(5, "P-0-0222", "1")] * 20, every_s=10),
+        reads(*[access(5, "P-0-0222", "0")] * 3, *[access(5, "P-0-0222", "1")] * 20, every_s=1),
         "station 5 P-0-0222",
         "0",
-        *(0.03, 30.12),
+        *(0.03, 3.12),
     ),
     Case(
         "changed",
