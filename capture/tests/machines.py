@@ -66,7 +66,7 @@ def access(station: int | str, ident: str, value: str | float, *, master: int | 
     unit = "" if number is None else str(more.pop("unit", "rpm"))
     shown = str(value) if number is None else f"{value} {unit}"
     said: dict[str, Any] = {
-        "parameter": Parameter(str(more.pop("port", "")), str(station), DEVICE, ident),
+        "parameter": Parameter(str(more.pop("port", "")), str(station), int(more.pop("device", DEVICE)), ident),
         "is_write": False,
         "master": master,
         "value": shown,
@@ -79,7 +79,7 @@ def access(station: int | str, ident: str, value: str | float, *, master: int | 
     return Access(**said | more)
 
 
-def diagnosis(station: int, code: int, **more: Any) -> Access:
+def diagnosis(station: int | str, code: int, **more: Any) -> Access:
     """Return what a drive says of itself, as the dissector shows it."""
     return access(station, DIAGNOSIS, f"0x{code:08X}", number=float(code), data=raw(code, 4), **more)
 
@@ -111,14 +111,16 @@ class Machine:
         self.has_panel = True
         self._is_described = is_described
         self._packets = packets
-        self._number = 0
+        self.times_s: list[float] = []  # of the packets
         self._chance = random.Random(1)
 
     def put(self, *telegrams: Telegram, accesses: Iterable[Access] = (), after_s: float = 0.0, **more: Any) -> None:
         """Let a packet come."""
         self.now_s += after_s
-        self._number += 1
-        more = self._packets | {"accesses": [*accesses], "number": self._number} | more
+        self.times_s.append(self.now_s)
+        port = (self._packets | more).get("interface", "")
+        said = [one._replace(parameter=one.parameter._replace(port=port)) if port else one for one in accesses]
+        more = self._packets | {"accesses": said, "number": len(self.times_s)} | more
         self.engine.add(packet(self.now_s, *telegrams, **more))
 
     def event(self, event: Event, text: str = "") -> None:

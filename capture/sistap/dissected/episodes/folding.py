@@ -132,8 +132,9 @@ def _emergency_stops(episodes: Sequence[Episode]) -> list[Episode]:
         if len(stations) < 2:
             continue
         first, to_s = group[0], max(one.to_s for one in group)
+        outcome = next((one.outcome for one in group if one.outcome), "")
         hit = first.hit._replace(kind="estop", to_s=to_s, station=None, parameter="", detail=first.hit.topic)
-        stops.append(replace(Episode.of(hit), stations=stations, outcome=first.outcome))
+        stops.append(replace(Episode.of(hit), stations=stations, outcome=outcome))
     return [*episodes, *stops]
 
 
@@ -243,7 +244,7 @@ def _of_several_stations(episodes: Sequence[Episode]) -> list[Episode]:
         if one.kind in DAMAGE:
             return one.kind == other.kind and other.from_s <= one.to_s + one.rule.join_s
         apart_s = _TOGETHER[one.kind]
-        is_same = (one.kind, one.hit.parameter, one.severity) == (other.kind, other.hit.parameter, other.severity)
+        is_same = _what(one) == _what(other)
         is_near = abs(one.from_s - other.from_s) <= apart_s and abs(one.to_s - other.to_s) <= apart_s
         is_like = one.kind not in _SAME_DETAIL or one.hit.topic == other.hit.topic
         is_like = is_like and (one.kind != "drift" or _is_as_far(one, other))
@@ -258,6 +259,10 @@ def _of_several_stations(episodes: Sequence[Episode]) -> list[Episode]:
         *(one for one in episodes if one.kind not in by_kind),
         *(joined for same in by_kind.values() for joined in _joined(same, is_one)),
     ]
+
+
+def _what(one: Episode) -> tuple[object, ...]:
+    return one.kind, one.hit.parameter, one.severity, one.outcome
 
 
 def _author(write: Episode) -> str:

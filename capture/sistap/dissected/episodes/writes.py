@@ -102,10 +102,11 @@ class Writes:
 
     def _recipe(self) -> Iterator[Hit]:
         row, self._row = self._row, []
-        if len({(hit.station, hit.parameter) for hit in row}) < _RECIPE:
+        count = len({(hit.station, hit.parameter) for hit in row})
+        if count < _RECIPE:
             return
         stations = numbers({hit.station for hit in row if hit.station is not None})
-        detail = f"master {row[0].topic} wrote {len(row)} parameters of {stations}"
+        detail = f"master {row[0].topic} wrote {count} parameters of {stations}"
         self._recipes.append((row[0].from_s, row[-1].from_s))
         yield Hit("recipe", row[0].packet, row[0].from_s, row[-1].to_s, None, "", detail, port=row[0].port)
 
@@ -156,7 +157,7 @@ class Writes:
     def values(self) -> dict[Parameter, str | None]:
         """Return the values known at the end, without ports."""
         ordered = sorted(self._present.values(), key=lambda present: order(present.parameter))
-        return self._known | {present.parameter._replace(port=""): present.value for present in ordered}
+        return {present.parameter._replace(port=""): present.value for present in ordered}
 
     def outcome(self, hit: Hit) -> str:
         """Say what the parameter of a write has at the end; nothing if nobody knows."""
