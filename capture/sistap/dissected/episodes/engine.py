@@ -114,9 +114,9 @@ class Bus:
             if said is None:
                 continue
             ident = access.parameter.ident
-            if ident in machine.LOOKED_AT and (not access.is_write or ident in machine.WRITTEN):
+            if ident in machine.LOOKED_AT:
                 self.machine.add(packet.epoch_s, access.parameter._replace(ident=""), ident, said)
-            if ident in diagnoses.LOOKED_AT and not access.is_write:
+            if ident in diagnoses.LOOKED_AT:
                 hits += self.diagnoses.add(packet, access, said)
             running = self.machine.is_running
             if self.values.take(packet, access, said, is_running=running):
