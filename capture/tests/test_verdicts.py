@@ -823,11 +823,17 @@ def test_an_episode_keeps_ten_packets_and_its_worst() -> None:
     few = Episode.of(Hit("late", 1, 10.0, 10.0, 3))
     few.join(Episode.of(Hit("late", 3, 10.0, 10.0, 3, severity=NOTE)))
     assert (few.filter, few.station, few.severity) == ("frame.number in {1, 3}", 3, Severity.ERROR)
+    before = Episode.of(Hit("late", 1000, 10.0, 10.0, 3, worst=0.3, severity=NOTE))
+    before.join(Episode.of(Hit("late", 7, 10.0, 10.0, 3, worst=0.2)))
+    assert (before.packets, before.hit.packet, before.severity) == ([7, 1000], 7, Severity.ERROR)
 
 
 def test_an_episode_of_a_whole_capture_is_found_by_its_values() -> None:
     drift = Episode.of(Hit("drift", 0, 10.0, 20.0, 3, TORQUE))
     assert drift.filter == f'sis.parameter == "{TORQUE}" && (sis.talker == 3) && sis.value'
+    drift.join(Episode.of(Hit("drift", 0, 10.0, 20.0, 8, TORQUE)))
+    assert drift.filter == f'sis.parameter == "{TORQUE}" && (sis.talker == 3 || sis.talker == 8) && sis.value'
+    assert drift.who == f"stations 3, 8 {TORQUE}"
     assert Episode.of(Hit("slower", 0, 10.0, 20.0, 3)).filter.startswith("frame.time_epoch >= 9.999998 && ")
 
 
@@ -836,3 +842,15 @@ def test_an_episode_for_programs() -> None:
     assert (said["from"], said["to"]) == ("1970-01-01T00:00:00.000Z", None)  # no calendar has it
     assert (said["severity"], said["station"], said["stations"], said["packets"]) == ("error", 4, [4], [7])
     assert (said["parameter"], said["text"]) == (None, "Station silent, station 4: 6 s")
+    assert said["do"] == "Check supply, address, baud rate and cable of this station."
+    two = Episode.of(Hit("step", 9, 1.5, 2.25, 8, TORQUE, "70 %, usually 50", 20.0, LOOK))
+    two.join(Episode.of(two.hit._replace(station=3, packet=8)))
+    two.cause, two.outcome = "soon after the write of S-0-0080", "still so when last read"
+    said = two.as_json()
+    assert (said["kind"], said["severity"], said["station"], said["stations"]) == ("step", "warning", None, [3, 8])
+    assert (said["from"], said["to"]) == ("1970-01-01T00:00:01.500Z", "1970-01-01T00:00:02.250Z")
+    assert (said["count"], said["worst"], said["packets"], said["parameter"]) == (2, 20.0, [8, 9], TORQUE)
+    assert said["text"] == (
+        f"Step, stations 3, 8 {TORQUE}: 70 %, usually 50; soon after the write of S-0-0080; still so when last read (2 times)"
+    )
+    assert Episode.of(Hit("bus_silent", 7, 0.0, 1.0)).text == "Bus silent"

@@ -26,7 +26,6 @@ from sistap.dissected.episodes.states import Devices, LimitChanges, PhaseChanges
 from sistap.dissected.episodes.values import Values, unlike
 from sistap.dissected.episodes.writes import Writes
 from sistap.dissected.packets.dissection import Packet, Telegram
-from sistap.dissected.wireshark.rows import FRAME
 
 _REMEMBERED = 4096
 _DUPLEX = {1, 2}  # lines: the two directions of one bus, each at an interface of its own
@@ -151,7 +150,7 @@ class Bus:
 
 def _is_rare(packet: Packet) -> bool:
     """Tell whether a packet is more than a good telegram that reads or writes something, as nearly all."""
-    if packet.type != FRAME or len(packet.telegrams) != 1:
+    if len(packet.telegrams) != 1:
         return True
     (telegram,) = packet.telegrams
     is_odd = not telegram.good or telegram.unanswered or telegram.is_refusal or telegram.is_repeat

@@ -60,7 +60,7 @@ class Writes:
             self._masters.count(access.master, is_write=access.is_write)
             present = self._of(access.parameter)
             before = present.value if present else None
-            is_change = present is not None and present.follow(access)
+            is_change = present is None or present.follow(access)
             if access.is_write:
                 hits += self._write(packet, access, before, is_change=is_change)
             elif access.parameter in self._settings:
