@@ -37,13 +37,17 @@ class Bus:
     def __init__(self) -> None:
         self.live = LiveEpisodes()
         self.told: list[Hit] = []
-        self.now_s = self.heard_s = 0.0
+        self.now_s = 0.0
+        self.heard_s: dict[str, float] = {}
+        self.port = ""
 
-    def packet(self, *telegrams: Telegram, accesses: Sequence[Access] = (), kind: int = FRAME) -> None:
-        said = ("", kind, None, 9600, "8E1", None, None, "", 0, 0, ())
+    def packet(
+        self, *telegrams: Telegram, accesses: Sequence[Access] = (), kind: int = FRAME, text: str = "", **more: int
+    ) -> None:
+        said = (self.port, kind, None, 9600, "8E1", None, more.get("event"), text, 0, 0, ())
         packet = Packet(*said, number=1, epoch_s=self.now_s, time_s=self.now_s, uncertainty_s=None, intervals_s=[])
         packet.telegrams, packet.accesses = [*telegrams], [*accesses]
-        packet.since_s, self.heard_s = self.now_s - self.heard_s, self.now_s
+        packet.since_s, self.heard_s[self.port] = self.now_s - self.heard_s.get(self.port, 0.0), self.now_s
         self.told += self.live.add(packet)
 
     def ask(self, station: int = 3, *, master: int = 16, after_unanswered: bool = False) -> None:
@@ -262,6 +266,62 @@ def test_what_nobody_looked_at_is_neither_silence_nor_jump(bus: Bus) -> None:
     bus.ask(after_unanswered=True)
     bus.answer()
     assert bus.told == []
+    bus.ask()
+    for _ in range(3):
+        bus.now_s += 1
+        bus.ask(after_unanswered=True)
+    assert bus.kinds[-1] == "silent"  # it is one from here on
+
+
+@pytest.fixture
+def two(bus: Bus) -> Bus:
+    """Two buses of which everything usual is known; the same stations and masters are at both."""
+    began_s, bus.port = bus.now_s, "b"
+    for _ in range(int(LEARNED_S / 10)):
+        bus.now_s += 10
+        for bus.port in ("", "b"):
+            bus.exchange()
+    assert bus.now_s > began_s and bus.told == []
+    return bus
+
+
+def test_of_two_buses_each_knows_who_was_asked(two: Bus) -> None:
+    two.port = ""
+    two.ask()
+    two.port = "b"
+    two.packet(kind=OTHER)
+    two.exchange()
+    two.port = ""
+    two.now_s += 1
+    two.ask(after_unanswered=True)
+    assert [(hit.kind, hit.port) for hit in two.told] == [("unanswered", "")]
+
+
+def test_what_nobody_looked_at_is_no_silence_of_any_bus(two: Bus) -> None:
+    two.live.skip()
+    two.now_s += 1000
+    for two.port in ("", "b"):
+        two.exchange()
+    assert two.told == []
+
+
+def test_new_masters_are_told_each_and_at_each_bus(two: Bus) -> None:
+    for two.port in ("", "b"):
+        for master in (17, 18, 17):
+            two.exchange(master=master)
+    assert [(hit.topic, hit.port) for hit in two.told] == [("17", ""), ("18", ""), ("17", "b"), ("18", "b")]
+
+
+def test_what_a_station_does_not_know_is_not_kept(bus: Bus) -> None:
+    """A panel may ask for it the whole night."""
+    bus.exchange(access("S-0-0001", "")._replace(error="0x1001"))
+    assert bus.told == []
+
+
+def test_a_step_of_the_clock_is_told(bus: Bus) -> None:
+    """It is a note, but no verdict that is not certain."""
+    bus.packet(kind=EVENT, event=Event.MARKER, text="system time jumped by -2.5 s")
+    assert bus.kinds == ["clock"]
 
 
 Keep = Callable[[Path], list[Path]]
