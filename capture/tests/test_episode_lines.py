@@ -33,9 +33,87 @@ def told(*episodes: Episode, begin: str = "22:00:00", end: str = "06:00:00") -> 
     return [line.text for line in lines(found, at(begin), at(end))]
 
 
-@pytest.mark.parametrize("kind", RULES)
-def test_each_kind_has_its_words(kind: str) -> None:
-    assert len(told(episode(kind, "23:10:00", station=4, detail="1 -> 2", worst=1.0))) >= 1
+# What is said of one episode of each kind, from 23:10:00 on; of those with a *, until 23:11:00.
+SAID = {
+    "foreign": ("none of 9 records is a telegram: another rate?", "none of 9 records is a telegram: another rate?"),
+    "bus_silent*": ("60 s: cable or master off?", "Bus silent {}, all stations: cable or master off?"),
+    "unreadable*": ("40 records are no telegrams", "bus unreadable {}: wrong rate, or a short circuit?"),
+    "rhythm*": ("40 s each: a master that pauses?", "Bus silent 1 times in a rhythm {}, 40 s each: a master that pauses?"),
+    "adapter": ("gone", "adapter lost {}"),
+    "gap*": ("60 s between two captures", "nothing was captured {}"),
+    "estop*": ("F4034", "emergency stop, fault F4034 of station 4 {}, still so"),
+    "off*": ("stations 3, 4, ready 5 s later", "machine off and on again {}: stations 3, 4, ready 5 s later"),
+    "boot*": ("stations 3, 4, ready 5 s later", "initialised at 23:10:00: stations 3, 4, ready 5 s later"),
+    "stopped*": ("", "machine stopped {}"),
+    "silent*": ("60 s, 31 commands without a reaction", "station 4 from 23:10:00 (60 s), still so"),
+    "vanished*": ("master 2 asks nothing any more (9 commands)", "master 2 asks nothing any more, since 23:10:00"),
+    "restart*": ("silent for 2 s, initialised again", "station 4 restarted at 23:10:00: silent for 2 s, initialised again"),
+    "fault*": ("F2028 (S-0-0390, before A0101)", "station 4 fault F2028 {}, still so"),
+    "homing": ("its position is no longer referenced (S-0-0403)", "station 4 not referenced any more {}, still so"),
+    "warning*": ("E2051 (S-0-0390)", "station 4 warning E2051 {}, still so"),
+    "stuck*": ("stays in phase 2, others are in phase 4", "station 4 stays in phase 2, others are in phase 4 since 23:10:00"),
+    "beyond": ("31 rpm, its maximum is 30 rpm", "station 4 P-0-0123 31 rpm, its maximum is 30 rpm {}"),
+    "apart*": ("50 % below S-0-0036", "station 4 P-0-0123 50 % below S-0-0036 {}, still so"),
+    "chatter*": ("7 changes between 0 and 1", "station 4 P-0-0123 7 changes between 0 and 1 {}"),
+    "slower*": ("reaction time 10.0 -> 30.0 ms", "station 4 answers slower, reaction time 10.0 -> 30.0 ms"),
+    "changed*": ("1 -> 0", "station 4 P-0-0123 1 -> 0 {}, still so"),
+    "blip": ("90 %, usually 50", "station 4 P-0-0123 90 %, usually 50 {}"),
+    "step*": ("70 %, usually 50", "station 4 P-0-0123 70 %, usually 50 {}, still so"),
+    "drift*": ("+5 %/h (not by chance)", "station 4 P-0-0123 +5 %/h"),
+    "conflict*": (
+        *("master 1 9 rpm, master 2 8 rpm", "station 4 P-0-0123 is written by two masters {}: "),
+        "master 1 9 rpm, master 2 8 rpm, still so",
+    ),
+    "limit_write": (
+        "9.50 rpm -> 5.00 rpm by master 1",
+        "master 1 wrote the limit station 4 P-0-0123 9.5 -> 5 rpm at 23:10:00, still so",
+    ),
+    "exchanged": ("firmware A -> B", "station 4 is another device since 23:10:00: firmware A -> B"),
+    "other": (
+        "9.50 rpm -> 5.00 rpm, nobody on this bus wrote it",
+        "station 4 P-0-0123 9.5 -> 5 rpm at 23:10:00, nobody on this bus wrote it",
+    ),
+    "write": ("5.00 rpm by new master 17", "new master 17 wrote station 4 P-0-0123 5 rpm at 23:10:00, still so"),
+    "master*": ("master 17 asked station 3: 2 commands", "new master 17 asked station 3: 2 commands {}"),
+    "phase": ("4 -> 2", "station 4 phase 4 -> 2 {}"),
+    "rate": ("9600 -> 19200 Bd", "9600 -> 19200 Bd {}"),
+    "limits": ("TzA 2 -> 3 ms", "station 4 TzA 2 -> 3 ms {}"),
+    "recipe*": ("master 1 wrote 4 parameters of station 5", "master 1 wrote 4 parameters of station 5 at 23:10:00"),
+    "clock": ("-2.5 s; the times go on", "clock -2.5 s at 23:10:00"),
+    "late": ("60 ms, TrS 50 ms", "1 reaction later than TrS (60 ms, TrS 50 ms, station 4, {})"),
+    "interval": ("3 ms, TzA 2 ms", "1 interval longer than TzA (3 ms, TzA 2 ms, station 4, {})"),
+    "cycle": ("9 ms by master 1", "1 master control word later than Tmas (9 ms by master 1, station 4, {})"),
+    "system_error": ("", "1 telegram of a station with an error (station 4, {})"),
+    "warning_bit": ("", "1 telegram with a warning bit (station 4, {})"),
+    "error": ("0x8004", "1 error code (P-0-0123 0x8004, station 4, {})"),
+    "never": ("0x1001", "1 request for what a station does not know (P-0-0123 0x1001, station 4, {})"),
+    "busy": ("0x8001", "1 reaction of a busy station (P-0-0123 0x8001, station 4, {})"),
+    "again": ("", "1 second answer: two stations at one address? (station 4, {})"),
+    "unexpected": ("", "1 answer to a broadcast (station 4, {})"),
+    "early": ("", "1 command sent again before TrS was over (station 4, {})"),
+    "damaged": ("its checksum is wrong", "1 damaged telegram (its checksum is wrong, station 4, {})"),
+    "line_error": ("in a telegram", "1 line error (in a telegram, station 4, {})"),
+    "lost": ("in a telegram", "1 loss of characters (in a telegram, station 4, {})"),
+    "repeated": ("", "1 command sent again (station 4, {})"),
+    "unanswered": ("", "1 command without a reaction (station 4, {})"),
+    "against": ("", "1 telegram against the rules (station 4, {})"),
+}
+OF_PARAMETERS = set("beyond apart chatter changed blip step drift conflict limit_write other write error never busy".split())
+
+
+@pytest.mark.parametrize("name", SAID)
+def test_what_is_said_of_one_episode(name: str) -> None:
+    kind, detail, said = name.rstrip("*"), SAID[name][0], "".join(SAID[name][1:])
+    end = "23:11:00" if kind != name else ""
+    parameter = "P-0-0123" if kind in OF_PARAMETERS else ""
+    made = episode(kind, "23:10:00", end, 4, detail=detail, parameter=parameter, topic=detail[:5], worst=1.0)
+    made.outcome = "still so"
+    (phrase,) = (phrase.text for line in lines([made], at("22:00:00"), at("23:59:00")) for phrase in line.phrases)
+    assert phrase == said.format(f"23:10:00 to {end}" if end else "23:10:00")
+
+
+def test_each_kind_is_said_once() -> None:
+    assert {name.rstrip("*") for name in SAID} == set(RULES)
 
 
 def test_a_night_in_five_lines() -> None:

@@ -387,6 +387,7 @@ def _words(episode: Episode, clock: Callable[[float], str]) -> dict[str, str]:
     """Return what the texts above may have."""
     hit = episode.hit
     values, _, by = hit.detail.rpartition(" by ")
+    values = values or hit.detail.split(", nobody")[0]
     lasted = seconds(episode.to_s - episode.from_s)
     never = episode.severity < Severity.ERROR  # it never answered
     return {
@@ -397,7 +398,7 @@ def _words(episode: Episode, clock: Callable[[float], str]) -> dict[str, str]:
         "times": f" ({episode.count} times)" if episode.count > 1 else "",
         "short": _LONG_HEX.sub("", re.split(r" \(|; ", hit.detail)[0]),
         "by": by,
-        "values": _numbers(values or hit.detail.split(", nobody")[0]) if hit.worst is not None or not by else values,
+        "values": _numbers(values) if hit.worst is not None else values,
         "more": "".join(f", {_ZEROS.sub(_point, one)}" for one in (episode.cause, episode.outcome) if one),
         "silence": hit.detail if never else f"from {clock(episode.from_s)} ({lasted})",
     }

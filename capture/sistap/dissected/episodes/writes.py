@@ -140,7 +140,7 @@ class Writes:
             setting.is_read_as_written = True
         elif setting.is_read_as_written:
             detail = f"{setting.value}{ARROW}{access.value}, nobody on this bus wrote it"
-            yield self._place("other", packet, access, detail)
+            yield self._place("other", packet, access, detail)._replace(worst=access.number)
             setting.value, setting.whole, setting.is_read_as_written = access.value, access.whole, False
 
     @staticmethod
