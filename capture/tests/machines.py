@@ -127,21 +127,21 @@ class Machine:
         """Let something happen to the tap."""
         self.put(type=EVENT, event=int(event), text=text)
 
-    def ask(self, station: int, master: int = PLC, **more: Any) -> None:
+    def ask(self, station: int, master: int | None = PLC, **more: Any) -> None:
         """Send a command."""
         self.put(telegram(master, station, **more), after_s=0.02)
 
-    def answer(self, station: int, *accesses: Access, master: int = PLC, **more: Any) -> None:
+    def answer(self, station: int, *accesses: Access, master: int | None = PLC, **more: Any) -> None:
         """Let a drive answer."""
         self.put(telegram(station, master, is_reaction=True, **self.more | more), accesses=accesses, after_s=0.01)
 
-    def exchange(self, *accesses: Access, station: int = 0, master: int = PLC, **more: Any) -> None:
+    def exchange(self, *accesses: Access, station: int = 0, master: int | None = PLC, **more: Any) -> None:
         """Ask a drive and let it answer."""
         station = station or int(accesses[0].parameter.station.partition("/")[0])
         self.ask(station, master, **{key: value for key, value in more.items() if key in ("service", "phase")})
         self.answer(station, *accesses, master=master, **more)
 
-    def write(self, station: int, ident: str, value: str | float, *, master: int = PLC, **more: Any) -> None:
+    def write(self, station: int, ident: str, value: str | float, *, master: int | None = PLC, **more: Any) -> None:
         """Write a parameter."""
         self.exchange(access(station, ident, value, master=master, is_write=True, **more), master=master)
 

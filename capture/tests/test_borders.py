@@ -77,7 +77,9 @@ def test_noise_is_damage_only_while_a_reaction_is_due() -> None:
 
 def test_two_damaged_telegrams_in_a_packet_are_two() -> None:
     bad = telegram(4, PLC, is_reaction=True, good=False)
-    (damaged,) = of(then(run(5), do("put", bad, bad, faults=[one for one in FAULTS if one.name == "damaged"] * 2))).of("damaged")
+    (damaged,) = of(then(run(5), do("put", bad, bad, faults=[one for one in FAULTS if one.name == "damaged"] * 2))).of(
+        "damaged"
+    )
     assert damaged.count == 2
 
 
@@ -196,8 +198,12 @@ def test_each_device_of_a_station_has_its_own_state(where: dict[str, Any]) -> No
     """A control tells what its drives say, in turn; behind a router there are several."""
     fault = reads(*[diagnosis(3, FAULT), diagnosis(code=RUNS, **where)] * 30, every_s=1)
     (found,) = of(fault).of("fault")
-    assert (found.detail, found.to_s - found.from_s) == ("F2028 (S-0-0390); still so when last read", pytest.approx(60, abs=2.5))
-    one, other = (access(ident="S-0-0135", value=f"0x{word:X}", number=float(word), **more) for word, more in ((0xC000, {"station": 3}), (0x8000, where)))
+    assert found.detail == "F2028 (S-0-0390); still so when last read"
+    assert found.to_s - found.from_s == pytest.approx(60, abs=2.5)
+    one, other = (
+        access(ident="S-0-0135", value=f"0x{word:X}", number=float(word), **more)
+        for word, more in ((0xC000, {"station": 3}), (0x8000, where))
+    )
     assert details(reads(*[one, other] * 10, every_s=8), "stopped") == []
 
 
@@ -239,7 +245,9 @@ def test_what_moves_by_itself_is_other_once() -> None:
     """And again, when it has come back to what it was."""
     moves = reads(*(access(5, "P-0-0123", value) for value in (12.0, 10.0, 9.0, 8.0, 10.0, 7.0)))
     said = "station 5 P-0-0123: {} rpm -> {} rpm, nobody on this bus wrote it"
-    assert details(then(writes("P-0-0123", (PLC, 12)), moves), "other") == [said.format(12, 10.0), said.format(10.0, 7.0)]
+    found = of(then(writes("P-0-0123", (PLC, 12)), moves))
+    assert [f"{one.who}: {one.detail}" for one in found.of("other")] == [said.format(12, 10.0), said.format(10.0, 7.0)]
+    assert "station 5 P-0-0123 10 -> 7 rpm at 06:03:30, nobody on this bus wrote it" in found.lines[3]
 
 
 def test_each_visitor_has_written_each_parameter() -> None:

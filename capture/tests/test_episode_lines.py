@@ -12,8 +12,8 @@ import pytest
 
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.folding import fold
-from sistap.dissected.episodes.lines import lines
-from sistap.dissected.episodes.rules import RULES, THRESHOLDS, Severity
+from sistap.dissected.episodes.lines import clock_of, lines, verdict
+from sistap.dissected.episodes.rules import RULES, SUBJECTS, THRESHOLDS, Severity
 
 EVENING = datetime(2026, 11, 21, 22)  # noqa: DTZ001 - local time, as it is shown
 
@@ -38,7 +38,10 @@ SAID = {
     "foreign": ("none of 9 records is a telegram: another rate?", "none of 9 records is a telegram: another rate?"),
     "bus_silent*": ("60 s: cable or master off?", "Bus silent {}, all stations: cable or master off?"),
     "unreadable*": ("40 records are no telegrams", "bus unreadable {}: wrong rate, or a short circuit?"),
-    "rhythm*": ("40 s each: a master that pauses?", "Bus silent 1 times in a rhythm {}, 40 s each: a master that pauses?"),
+    "rhythm*": (
+        "40 s each: a master that pauses?",
+        "Bus silent 1 times in a rhythm {}, 40 s each: a master that pauses?",
+    ),
     "adapter": ("gone", "adapter lost {}"),
     "gap*": ("60 s between two captures", "nothing was captured {}"),
     "estop*": ("F4034", "emergency stop, fault F4034 of station 4 {}, still so"),
@@ -47,11 +50,17 @@ SAID = {
     "stopped*": ("", "machine stopped {}"),
     "silent*": ("60 s, 31 commands without a reaction", "station 4 from 23:10:00 (60 s), still so"),
     "vanished*": ("master 2 asks nothing any more (9 commands)", "master 2 asks nothing any more, since 23:10:00"),
-    "restart*": ("silent for 2 s, initialised again", "station 4 restarted at 23:10:00: silent for 2 s, initialised again"),
+    "restart*": (
+        "silent for 2 s, initialised again",
+        "station 4 restarted at 23:10:00: silent for 2 s, initialised again",
+    ),
     "fault*": ("F2028 (S-0-0390, before A0101)", "station 4 fault F2028 {}, still so"),
     "homing": ("its position is no longer referenced (S-0-0403)", "station 4 not referenced any more {}, still so"),
     "warning*": ("E2051 (S-0-0390)", "station 4 warning E2051 {}, still so"),
-    "stuck*": ("stays in phase 2, others are in phase 4", "station 4 stays in phase 2, others are in phase 4 since 23:10:00"),
+    "stuck*": (
+        "stays in phase 2, others are in phase 4",
+        "station 4 stays in phase 2, others are in phase 4 since 23:10:00",
+    ),
     "beyond": ("31 rpm, its maximum is 30 rpm", "station 4 P-0-0123 31 rpm, its maximum is 30 rpm {}"),
     "apart*": ("50 % below S-0-0036", "station 4 P-0-0123 50 % below S-0-0036 {}, still so"),
     "chatter*": ("7 changes between 0 and 1", "station 4 P-0-0123 7 changes between 0 and 1 {}"),
@@ -98,7 +107,9 @@ SAID = {
     "unanswered": ("", "1 command without a reaction (station 4, {})"),
     "against": ("", "1 telegram against the rules (station 4, {})"),
 }
-OF_PARAMETERS = set("beyond apart chatter changed blip step drift conflict limit_write other write error never busy".split())
+OF_PARAMETERS = set(
+    "beyond apart chatter changed blip step drift conflict limit_write other write error never busy".split()
+)
 
 
 @pytest.mark.parametrize("name", SAID)
@@ -114,6 +125,189 @@ def test_what_is_said_of_one_episode(name: str) -> None:
 
 def test_each_kind_is_said_once() -> None:
     assert {name.rstrip("*") for name in SAID} == set(RULES)
+
+
+FAULT, WARNING = "F2028 (S-0-0390)", "E2051 (S-0-0390)"
+
+
+def drive(kind: str, station: int, *, still: str = "", begin: str = "23:10:00", detail: str = "") -> Episode:
+    detail = detail or {"fault": FAULT, "warning": WARNING}.get(kind, "")
+    return Episode.of(episode(kind, begin, "", station, detail=detail, topic=detail[:5], outcome=still).hit)
+
+
+@pytest.mark.parametrize(
+    ("episodes", "said"),
+    [
+        ([], "OK, {}."),
+        ([drive("warning", 3), drive("warning", 4)], "OK, 2 things to look at, {}."),
+        (
+            [drive("late", 3), drive("early", 3), drive("early", 4)],
+            "NOT OK, {}: reaction later than TrS (station 3), 1 thing to look at.",
+        ),
+        ([drive("warning", 4, still="still so")], "OK, 1 thing to look at, {}: now warning E2051 (station 4)."),
+        ([drive("write", 4, still="still set at the end")], "OK, 1 thing to look at, {}."),
+        ([drive("fault", 4, still="still so")], "NOT OK, {}: now fault F2028 (station 4)."),
+        ([drive("silent", 4, still="not heard again")], "NOT OK, {}: now station silent (station 4)."),
+        (
+            [drive("fault", 3), drive("fault", 4), drive("fault", 5, detail="F2029")],
+            "NOT OK, {}: fault F2028 (stations 3, 4), fault F2029 (station 5).",
+        ),
+        (
+            [drive("fault", 3, still="still so"), drive("fault", 4), drive("stuck", 4), drive("stuck", 5)],
+            "NOT OK, {}: now fault F2028 (station 3); fault F2028 (station 4), 2 things to look at.",
+        ),
+        (
+            [drive("fault", 3, still="still so"), drive("stuck", 4)],
+            "NOT OK, {}: now fault F2028 (station 3); 1 thing to look at.",
+        ),
+    ],
+)
+def test_the_first_line_says_what_is_wrong_and_what_still_is(episodes: Sequence[Episode], said: str) -> None:
+    first, *others = told(*episodes)
+    assert first == said.format("2026-11-21 22:00:00 to 2026-11-22 06:00:00")
+    if not episodes:
+        assert others == [f"{subject}: nothing." for subject in SUBJECTS[1:]]
+
+
+def test_what_was_not_judged_or_described_is_said() -> None:
+    made = [line.text for line in lines([drive("fault", 3)], at("22:00:00"), at("23:00:00"), ["TrS", "TzA"], 2)]
+    assert made[2].endswith("; parameters without a description: 2; sistap parameters --from FILE.par names them.")
+    assert made[4] == "Limits: not judged: TrS, TzA."
+    assert verdict([drive("stuck", 3)], is_judged=False) == "OK as far as it was judged, 1 thing to look at"
+
+
+def test_a_line_has_ten_phrases_and_three_of_them_are_notes() -> None:
+    steps = [drive("step", station, detail="70 %, usually 50") for station in range(3, 8)]
+    looks = [drive("beyond", station, detail="31 rpm, its maximum is 30 rpm") for station in range(3, 15)]
+    few, many = told(*steps, *looks[:2])[2], told(*steps, *looks)[2]
+    assert (few.count("its maximum"), few.count("usually"), few.count("more")) == (2, 3, 0)
+    assert (many.count("its maximum"), many.count("usually"), many.endswith("; and 2 more.")) == (10, 0, True)
+    assert few.index("its maximum") < few.index("usually")
+
+
+def test_many_faults_are_told_by_station_and_code() -> None:
+    times = [f"23:{minute}:00" for minute in range(10, 14)]
+    faults = [drive("fault", station, begin=time) for time in times for station in (3, 4)]
+    other = drive("fault", 3, detail="F2029")
+    often = "; ".join(f"Fault F2028 4 times, station {station} ({', '.join(times)})" for station in (3, 4))
+    assert told(*faults, other)[2] == f"Drives: {often}; station 3 fault F2029 23:10:00."
+
+
+def test_of_many_the_longest_is_named() -> None:
+    lengths = zip(range(10, 14), (5, 20, 50, 20), strict=True)
+    silent = [episode("silent", f"23:{minute}:00", f"23:{minute}:{length}", 4) for minute, length in lengths]
+    times = "23:10:00, 23:11:00, 23:12:00, 23:13:00"
+    assert told(*silent)[1] == f"Silent: Station silent 4 times, station 4 (longest 50 s at 23:12:00; {times})."
+    stops = [Episode.of(one.hit._replace(kind="stopped", station=None)) for one in silent]
+    first = "; ".join(told(*stops)[0].split(". ")[1:])
+    assert first.startswith("Machine stopped 4 times (23:10:00 to 23:10:05, 23:11:00 to 23:11:20, ")
+
+
+def test_what_is_still_so_comes_first_and_then_what_moved_farthest() -> None:
+    steps = [drive("step", 3 + place, detail=f"{far} % off") for place, far in enumerate((5, 70, 20, 30))]
+    for one, far in zip(steps, (5.0, 70.0, 20.0, 30.0), strict=True):
+        one.hit = one.hit._replace(worst=far)
+    steps[2].outcome = "still so"
+    assert [one.split()[2] for one in told(*steps)[2].split(": ")[1].split("; ")] == ["20", "70", "30"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (
+            [(6, "4 -> 2"), (6, "2 -> 4"), (6, "4 -> 3")],
+            "station 6 phase 4 -> 2 -> 4 {0} to {1}; station 6 phase 4 -> 3 {2}",
+        ),
+        (
+            [(6, "4 -> 2"), (6, "3 -> 4"), (6, "4 -> 2")],
+            "station 6 phase 4 -> 2 {0}; station 6 phase 3 -> 4 -> 2 {1} to {2}",
+        ),
+        (
+            [(6, "4 -> 2"), (5, "2 -> 4"), (5, "4 -> 2")],
+            "station 5 phase 2 -> 4 -> 2 {1} to {2}; station 6 phase 4 -> 2 {0}",
+        ),
+        ([(None, "9600 -> 19200 Bd"), (None, "19200 -> 38400 Bd")], "9600 -> 19200 -> 38400 {0} to {1}"),
+    ],
+)
+def test_what_goes_on_where_the_last_one_ended_is_one_phrase(changes: Sequence[tuple[int, str]], said: str) -> None:
+    times = "01:30:00", "01:31:00", "01:32:00"
+    kind = "rate" if "Bd" in changes[0][1] else "phase"
+    made = [
+        episode(kind, time, station=station, detail=what) for time, (station, what) in zip(times, changes, strict=False)
+    ]
+    assert told(*made)[3] == f"Changed: {said.format(*times)}."
+
+
+@pytest.mark.parametrize(
+    ("certain", "perhaps", "said"),
+    [
+        (2, 0, "2 intervals longer than TzA (worst 9 ms at 23:10:00, station 6, 23:10:00, 23:11:00)"),
+        (1, 2, "1 interval longer than TzA, perhaps 2 more (9 ms, TzA 2 ms, station 6, 23:10:00)"),
+        (0, 2, "perhaps 2 intervals longer than TzA (worst 9 ms at 23:10:00, station 6, 23:10:00, 23:11:00)"),
+    ],
+)
+def test_what_is_certain_is_counted_apart(certain: int, perhaps: int, said: str) -> None:
+    def hits(count: int, before: str, **more: Any) -> list[Episode]:
+        detail = f"{before}9 ms, TzA 2 ms"
+        return [episode("interval", f"23:1{one}:00", "", 6, detail=detail, worst=0.009, **more) for one in range(count)]
+
+    assert told(*hits(certain, ""), *hits(perhaps, "perhaps: ", severity=Severity.NOTE))[4] == f"Limits: {said}."
+
+
+def test_of_many_codes_the_most_frequent_come_first() -> None:
+    errors = [episode("error", "23:10:00", station=3 + place, detail=f"0x700{place}") for place in range(5)]
+    errors[4].count, errors[3].count = 9, 4
+    assert told(*errors)[2] == (
+        "Drives: 16 error codes (0x7004, 0x7003, 0x7000 and 2 more, stations 3, 4, 5, 6, 7, 23:10:00)."
+    )
+
+
+def test_more_than_eight_stations_are_counted() -> None:
+    lost = [episode("lost", "23:10:00", "23:20:00", station) for station in range(3, 12)]
+    assert "9 losses of characters (9 stations, 23:10:00 to 23:20:00)" in told(*lost)[4]
+    assert "(stations 3, 4, 5, 6, 7, 8, 9, 10, 23:10:00 to 23:20:00)" in told(*lost[:8])[4]
+
+
+MANY = {
+    "system_error": "telegrams of stations with an error",
+    "warning_bit": "telegrams with a warning bit",
+    "error": "error codes",
+    "busy": "reactions of busy stations",
+    "never": "requests for what a station does not know",
+    "again": "second answers: two stations at one address?",
+    "late": "reactions later than TrS",
+    "interval": "intervals longer than TzA",
+    "cycle": "master control words later than Tmas",
+    "unexpected": "answers to broadcasts",
+    "early": "commands sent again before TrS was over",
+    "damaged": "damaged telegrams",
+    "line_error": "line errors",
+    "lost": "losses of characters",
+    "repeated": "commands sent again",
+    "unanswered": "commands without a reaction",
+    "against": "telegrams against the rules",
+}
+
+
+@pytest.mark.parametrize("kind", MANY)
+def test_what_is_only_counted(kind: str) -> None:
+    """It is one thing to look at, however often it is."""
+    made = [episode(kind, clock, station=3, severity=Severity.WARNING) for clock in ("23:10:00", "23:40:00")]
+    made[1].count = 8
+    first, *others = told(*made)
+    assert first.startswith("OK, 1 thing to look at, ")
+    assert any(f": 9 {MANY[kind]} (" in line for line in others)
+
+
+def test_a_time_in_no_calendar_is_said() -> None:
+    assert clock_of(1e18, 2e18)(1e18) == clock_of(0, 1e18)(1e18) == "a time in no calendar"
+    assert clock_of(0, 1e18)(at("22:00:00")) == "22:00:00"
+    assert clock_of(1e18, 0)(at("22:00:00")) == "22:00:00"
+
+
+def test_a_number_of_a_diagnosis_is_shown_as_a_drive_does() -> None:
+    changed = episode("changed", "23:10:00", station=3, parameter="S-0-0390", detail="0x000A0101 -> 0x000A0012")
+    assert told(changed)[2] == "Drives: station 3 S-0-0390 A0101 -> A0012 23:10:00."
 
 
 def test_a_night_in_five_lines() -> None:

@@ -118,7 +118,9 @@ def test_what_several_stations_have_at_once_is_one(
 
 def test_which_kinds_several_stations_have_as_one() -> None:
     said: dict[str, Any] = {"worst": 1.0, "topic": "F2028", "parameter": "S-0-0040", "detail": "5 rpm by master 1"}
-    one = {kind for kind in RULES if len(kinds(*(episode(kind, 0, 100, station, **said) for station in (3, 4, 5)))) == 1}
+    one = {
+        kind for kind in RULES if len(kinds(*(episode(kind, 0, 100, station, **said) for station in (3, 4, 5)))) == 1
+    }
     alone = "silent cycle fault warning homing limits write step blip changed drift never"
     assert one == set(f"{alone} damaged line_error lost repeated unanswered".split())
 
@@ -126,7 +128,7 @@ def test_which_kinds_several_stations_have_as_one() -> None:
 @pytest.mark.parametrize("kind", ["fault", "warning", "limits", "never", "silent", "step", "write"])
 def test_what_differs_is_told_of_each_station(kind: str) -> None:
     said: dict[str, Any] = {"topic": "F2028", "parameter": "S-0-0040", "detail": "5 rpm by master 1"}
-    others = [{"parameter": "S-0-0084"}, {"severity": Severity.NOTE}, {"outcome": "still so"}]
+    others: list[dict[str, Any]] = [{"parameter": "S-0-0084"}, {"severity": Severity.NOTE}, {"outcome": "still so"}]
     others += [{"topic": "F2029"}] if kind in ("fault", "warning", "limits", "never") else []
     others += [{"detail": "5 rpm by master 2"}] if kind == "write" else []
     for other in others:

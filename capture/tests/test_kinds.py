@@ -116,7 +116,7 @@ def reads(*accesses: Access, every_s: float = 0.0) -> Play:
     return then(*(then(do("exchange", one), pause(every_s)) for one in accesses))
 
 
-def writes(ident: str, *by: tuple[int, float], every_s: float = 60.0) -> Play:
+def writes(ident: str, *by: tuple[int | None, float], every_s: float = 60.0) -> Play:
     """Let masters write a parameter of station 5, one after the other."""
     return then(run(150), *(then(do("write", 5, ident, value, master=who), run(every_s)) for who, value in by))
 

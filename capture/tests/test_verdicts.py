@@ -221,7 +221,12 @@ CASES = (
     Case("unreadable", then(run(30), *[mangled] * 25, reaction(3)), "", "25 records are no telegrams"),
     Case("unreadable", then(*[then(do("noise", 3), reaction())] * 10), "", "30 records are no telegrams"),
     Case("foreign", do("noise", 7), "", "none of 7 records is a telegram: another protocol, rate or format?", 0.1, 0.7),
-    Case("foreign", then(*[do("put", *[cut] * 2)] * 5), "", "none of 5 records is a telegram: another protocol, rate or format?"),
+    Case(
+        "foreign",
+        then(*[do("put", *[cut] * 2)] * 5),
+        "",
+        "none of 5 records is a telegram: another protocol, rate or format?",
+    ),
     Case("stopped", then(do("stop", 60), run(60)), "", "", 0.02, 60.03),
     Case("stopped", then(run(60), do("stop", 60)), "", "still so when last read", 60.15),
     # drives
@@ -329,7 +334,10 @@ CASES = (
     Case("write", writes("P-0-0123", (None, 12)), "station 5 P-0-0123", "12 rpm by ASCII; still set at the end"),
     Case(  # a list of services
         "write",
-        then(run(150), do("exchange", access(5, "S-0-4095", "", error="0x1001"), access(5, "P-0-0123", 12, is_write=True))),
+        then(
+            run(150),
+            do("exchange", access(5, "S-0-4095", "", error="0x1001"), access(5, "P-0-0123", 12, is_write=True)),
+        ),
         *("station 5 P-0-0123", "12 rpm by master 1; still set at the end"),
     ),
     Case(  # a segment of a list
@@ -347,12 +355,17 @@ CASES = (
         *("station 5 P-0-0123", "master 1 13 rpm, master 2 16 rpm; at the end 16 rpm"),
     ),
     Case(  # what is shown is cut off
-        *("conflict", then(*(do("write", 5, "P-0-0123", "1, ...", master=who, text=f"1, {who}") for who in (PLC, PANEL) * 2))),
+        *(
+            "conflict",
+            then(*(do("write", 5, "P-0-0123", "1, ...", master=who, text=f"1, {who}") for who in (PLC, PANEL) * 2)),
+        ),
         *("station 5 P-0-0123", "master 1 1, ..., master 2 1, ...; at the end 1, ..."),
     ),
     Case(
         "recipe",
-        then(run(150), *(do("write", at, f"P-0-000{one}", 1.0) for at, one in ((4, 1), (4, 2), (5, 1), (5, 2), (5, 1)))),
+        then(
+            run(150), *(do("write", at, f"P-0-000{one}", 1.0) for at, one in ((4, 1), (4, 2), (5, 1), (5, 2), (5, 1)))
+        ),
         *("", "master 1 wrote 4 parameters of stations 4, 5", 150.03, 150.15),
     ),
     Case(
@@ -850,7 +863,6 @@ def test_an_episode_for_programs() -> None:
     assert (said["kind"], said["severity"], said["station"], said["stations"]) == ("step", "warning", None, [3, 8])
     assert (said["from"], said["to"]) == ("1970-01-01T00:00:01.500Z", "1970-01-01T00:00:02.250Z")
     assert (said["count"], said["worst"], said["packets"], said["parameter"]) == (2, 20.0, [8, 9], TORQUE)
-    assert said["text"] == (
-        f"Step, stations 3, 8 {TORQUE}: 70 %, usually 50; soon after the write of S-0-0080; still so when last read (2 times)"
-    )
+    about = "70 %, usually 50; soon after the write of S-0-0080; still so when last read"
+    assert said["text"] == f"Step, stations 3, 8 {TORQUE}: {about} (2 times)"
     assert Episode.of(Hit("bus_silent", 7, 0.0, 1.0)).text == "Bus silent"
