@@ -22,7 +22,22 @@ from machines import (
     telegram,
     undescribed,
 )
-from test_kinds import LIMIT, TORQUE, Play, about, event, firmware, pause, reaction, reads, run, then, told, writes
+from test_kinds import (
+    LIMIT,
+    TORQUE,
+    Play,
+    about,
+    event,
+    firmware,
+    limits,
+    pause,
+    reaction,
+    reads,
+    run,
+    then,
+    told,
+    writes,
+)
 
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
@@ -290,6 +305,41 @@ def test_of_two_buses_each_knows_what_is_set_at_its_end() -> None:
         machine.run(150)
     first.write(5, "P-0-0123", 12, master=LAPTOP)
     assert [one.outcome for one in engine.finish() if one.kind == "write"] == ["still set at the end"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "good", "now"),
+    [
+        ("phase", reaction(service=0x12, phase="4"), reaction(service=0x12, phase="2")),
+        ("rate", reaction(), do("put", baud=19200)),
+        ("limits", limits(0.05), limits(0.04)),
+        ("exchanged", firmware("FWA-1"), firmware("FWA-2")),
+        ("step", told("P-0-0123", about(50, 60)), told("P-0-0123", about(70, 60))),
+    ],
+)
+def test_what_is_other_than_in_a_good_capture(kind: str, good: Play, now: Play) -> None:
+    before = Machine()
+    good(before)
+    before.finish()
+    for engine, count in ((None, 0), (before.engine, 1)):
+        machine = Machine(before=engine)
+        now(machine)
+        assert len(machine.told().of(kind)) == count
+
+
+def test_each_bus_is_compared_with_the_good_one_of_its_name() -> None:
+    def asks(master: int, name: str, engine: Engine) -> None:
+        machine = Machine(interface=name)
+        machine.engine = engine
+        then(run(130), do("exchange", station=3, master=master))(machine)
+
+    good = Engine()
+    asks(LAPTOP, "a", good)
+    asks(PLC, "b", good)
+    now = Engine(good)
+    asks(LAPTOP, "a", now)
+    asks(LAPTOP, "b", now)
+    assert [one.hit.port for one in now.finish() if one.kind == "master"] == ["b"]
 
 
 def test_what_a_good_capture_writes_and_says_is_known() -> None:

@@ -193,6 +193,14 @@ def test_many_faults_are_told_by_station_and_code() -> None:
     assert told(*faults, other)[2] == f"Drives: {often}; station 3 fault F2029 23:10:00."
 
 
+def test_three_are_told_one_by_one_and_more_lead_to_the_first() -> None:
+    faults = [drive("fault", 3, begin=f"23:1{minute}:00") for minute in range(7)]
+    assert told(*faults[:3])[2].count("station 3 fault F2028 23:1") == 3
+    assert "more" not in told(*faults[:6])[2] and "and 1 more" in told(*faults)[2]
+    (phrase,) = lines(faults, at("22:00:00"), at("23:59:00"))[2].phrases
+    assert (phrase.episode, phrase.others) == (faults[0], faults)
+
+
 def test_of_many_the_longest_is_named() -> None:
     lengths = zip(range(10, 14), (5, 20, 50, 20), strict=True)
     silent = [episode("silent", f"23:{minute}:00", f"23:{minute}:{length}", 4) for minute, length in lengths]
@@ -252,6 +260,14 @@ def test_what_is_certain_is_counted_apart(certain: int, perhaps: int, said: str)
         return [episode("interval", f"23:1{one}:00", "", 6, detail=detail, worst=0.009, **more) for one in range(count)]
 
     assert told(*hits(certain, ""), *hits(perhaps, "perhaps: ", severity=Severity.NOTE))[4] == f"Limits: {said}."
+
+
+def test_times_that_nobody_measured_have_no_worst() -> None:
+    made = [
+        episode("late", "23:10:00", "", station, detail="perhaps: not measured", severity=Severity.NOTE)
+        for station in (3, 4)
+    ]
+    assert told(*made)[4] == "Limits: perhaps 2 reactions later than TrS (not measured, stations 3, 4, 23:10:00)."
 
 
 def test_of_many_codes_the_most_frequent_come_first() -> None:

@@ -345,7 +345,8 @@ def _counted(episodes: Sequence[Episode], clock: Callable[[float], str]) -> Phra
     more = f", perhaps {undecided} more" if certain and undecided else ""
     how = [*_each_station(certain or episodes), _span(certain or episodes, clock)]
     if is_timed and count > 1:
-        how.insert(0, f"worst {(worst.hit.worst or 0) * 1e3:.4g} ms at {clock(worst.hit.from_s)}")
+        longest = worst.hit.worst
+        how.insert(0, f"worst {longest * 1e3:.4g} ms at {clock(worst.hit.from_s)}" if longest else "not measured")
     elif count == 1 or worst.kind in ("error", "never", "system_error"):
         how.insert(0, _each_detail(certain or episodes))
     return Phrase(f"{what}{more} ({', '.join(filter(None, how))})", worst, episodes)
@@ -368,6 +369,8 @@ def _each_station(episodes: Sequence[Episode]) -> Sequence[str]:
     if len(stations) < 2 or episodes[0].kind not in _IN_MS:  # noqa: PLR2004 - several
         return [numbers(stations)]
     worst = {station: max(one.hit.worst or 0.0 for one in episodes if station in one.stations) for station in stations}
+    if not all(worst.values()):  # not measured
+        return [numbers(stations)]
     return [f"station {station} up to {time_s * 1e3:.4g} ms" for station, time_s in worst.items()]
 
 
