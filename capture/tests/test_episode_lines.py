@@ -185,12 +185,13 @@ def test_a_line_has_ten_phrases_and_three_of_them_are_notes() -> None:
     assert few.index("its maximum") < few.index("usually")
 
 
-def test_many_faults_are_told_by_station_and_code() -> None:
+@pytest.mark.parametrize(("kind", "code"), [("fault", "F2028"), ("warning", "E2051")])
+def test_many_faults_are_told_by_station_and_code(kind: str, code: str) -> None:
     times = [f"23:{minute}:00" for minute in range(10, 14)]
-    faults = [drive("fault", station, begin=time) for time in times for station in (3, 4)]
-    other = drive("fault", 3, detail="F2029")
-    often = "; ".join(f"Fault F2028 4 times, station {station} ({', '.join(times)})" for station in (3, 4))
-    assert told(*faults, other)[2] == f"Drives: {often}; station 3 fault F2029 23:10:00."
+    faults = [drive(kind, station, begin=time) for time in times for station in (3, 4)]
+    other = drive(kind, 3, detail="X2029")
+    often = "; ".join(f"{kind.title()} {code} 4 times, station {station} ({', '.join(times)})" for station in (3, 4))
+    assert told(*faults, other)[2] == f"Drives: {often}; station 3 {kind} X2029 23:10:00."
 
 
 def test_three_are_told_one_by_one_and_more_lead_to_the_first() -> None:
@@ -211,12 +212,46 @@ def test_of_many_the_longest_is_named() -> None:
     assert first.startswith("Machine stopped 4 times (23:10:00 to 23:10:05, 23:11:00 to 23:11:20, ")
 
 
-def test_what_is_still_so_comes_first_and_then_what_moved_farthest() -> None:
-    steps = [drive("step", 3 + place, detail=f"{far} % off") for place, far in enumerate((5, 70, 20, 30))]
-    for one, far in zip(steps, (5.0, 70.0, 20.0, 30.0), strict=True):
+@pytest.mark.parametrize(
+    ("kind", "order"),
+    [("step", ["20", "70", "30"]), ("drift", ["20", "70", "30"]), ("apart", ["20", "5", "70", "30"])],
+)
+def test_what_is_still_so_comes_first_and_then_what_moved_farthest(kind: str, order: Sequence[str]) -> None:
+    """Other things are in the order of their beginning."""
+    made = [drive(kind, 3 + place, detail=f"{far} % off") for place, far in enumerate((5, 70, 20, 30))]
+    for one, far in zip(made, (5.0, 70.0, 20.0, 30.0), strict=True):
         one.hit = one.hit._replace(worst=far)
-    steps[2].outcome = "still so"
-    assert [one.split()[2] for one in told(*steps)[2].split(": ")[1].split("; ")] == ["20", "70", "30"]
+    made[2].outcome = "still so"
+    assert [one.split()[2] for one in told(*made)[2].split(": ")[1].split("; ")] == order
+
+
+@pytest.mark.parametrize("kind", ["step", "drift", "blip", "changed"])
+def test_values_that_moved_are_told_one_by_one(kind: str) -> None:
+    made = [episode(kind, "23:10:00", station=3, parameter=f"P-0-000{one}", detail="5 rpm") for one in range(4)]
+    (line,) = (line for line in lines(made, at("22:00:00"), at("23:59:00")) if line.phrases)
+    assert [phrase.episode for phrase in line.phrases] == made[:3]
+
+
+def test_writes_of_a_visitor_are_counted_apart_from_those_of_a_usual_master() -> None:
+    made = [
+        episode("write", f"23:1{one}:00", station=3, parameter="P-0-0123", detail="5 rpm by master 1")
+        for one in range(4)
+    ]
+    for one in made[2:]:
+        one.severity = Severity.NOTE
+    assert told(*made)[3].count("master 1 wrote") == 4
+
+
+def test_cause_and_outcome_are_said_in_this_order() -> None:
+    step = drive("step", 3, detail="200 rpm below S-0-0036")
+    step.cause, step.outcome = "soon after the write of S-0-0036", "still so when last read"
+    assert told(step)[2].endswith(", soon after the write of S-0-0036, still so when last read.")
+
+
+def test_days_are_named_where_a_capture_has_several() -> None:
+    fault = Episode.of(drive("fault", 3).hit._replace(to_s=at("23:11:00")))
+    line = lines([fault], at("22:00:00"), at("22:00:00") + 2 * 86_400)[2]
+    assert line.text == "Drives: station 3 fault F2028 2026-11-21 23:10:00 to 2026-11-21 23:11:00."
 
 
 @pytest.mark.parametrize(
@@ -244,6 +279,8 @@ def test_what_goes_on_where_the_last_one_ended_is_one_phrase(changes: Sequence[t
         episode(kind, time, station=station, detail=what) for time, (station, what) in zip(times, changes, strict=False)
     ]
     assert told(*made)[3] == f"Changed: {said.format(*times)}."
+    assert all(phrase.episode in made for phrase in lines(made, at("01:00:00"), at("02:00:00"))[3].phrases)
+    assert lines(made[:2], at("01:00:00"), at("02:00:00"))[3].phrases[0].episode is made[0]
 
 
 @pytest.mark.parametrize(
@@ -259,7 +296,11 @@ def test_what_is_certain_is_counted_apart(certain: int, perhaps: int, said: str)
         detail = f"{before}9 ms, TzA 2 ms"
         return [episode("interval", f"23:1{one}:00", "", 6, detail=detail, worst=0.009, **more) for one in range(count)]
 
-    assert told(*hits(certain, ""), *hits(perhaps, "perhaps: ", severity=Severity.NOTE))[4] == f"Limits: {said}."
+    unsure = hits(perhaps, "perhaps: ", severity=Severity.NOTE)
+    assert told(*hits(certain, ""), *unsure)[4] == f"Limits: {said}."
+    for one in unsure:
+        one.count = 4
+    assert told(*hits(certain, ""), *unsure)[4] == f"Limits: {said.replace('perhaps 2', 'perhaps 8')}."
 
 
 def test_times_that_nobody_measured_have_no_worst() -> None:
@@ -273,14 +314,15 @@ def test_times_that_nobody_measured_have_no_worst() -> None:
 def test_of_many_codes_the_most_frequent_come_first() -> None:
     errors = [episode("error", "23:10:00", station=3 + place, detail=f"0x700{place}") for place in range(5)]
     errors[4].count, errors[3].count = 9, 4
-    assert told(*errors)[2] == (
-        "Drives: 16 error codes (0x7004, 0x7003, 0x7000 and 2 more, stations 3, 4, 5, 6, 7, 23:10:00)."
+    assert told(*errors, *errors)[2] == (
+        "Drives: 32 error codes (0x7004, 0x7003, 0x7000 and 2 more, stations 3, 4, 5, 6, 7, 23:10:00)."
     )
 
 
 def test_more_than_eight_stations_are_counted() -> None:
     lost = [episode("lost", "23:10:00", "23:20:00", station) for station in range(3, 12)]
     assert "9 losses of characters (9 stations, 23:10:00 to 23:20:00)" in told(*lost)[4]
+    lost[0].to_s = lost[0].from_s
     assert "(stations 3, 4, 5, 6, 7, 8, 9, 10, 23:10:00 to 23:20:00)" in told(*lost[:8])[4]
 
 
@@ -308,11 +350,14 @@ MANY = {
 @pytest.mark.parametrize("kind", MANY)
 def test_what_is_only_counted(kind: str) -> None:
     """It is one thing to look at, however often it is."""
-    made = [episode(kind, clock, station=3, severity=Severity.WARNING) for clock in ("23:10:00", "23:40:00")]
+    more: dict[str, Any] = {"severity": Severity.WARNING, "detail": "0x7009"}
+    made = [episode(kind, clock, station=3, **more) for clock in ("23:10:00", "23:40:00")]
     made[1].count = 8
     first, *others = told(*made)
     assert first.startswith("OK, 1 thing to look at, ")
-    assert any(f": 9 {MANY[kind]} (" in line for line in others)
+    (line,) = (line for line in others if not line.endswith(": nothing."))
+    assert f": 9 {MANY[kind]} (" in line
+    assert ("0x7009" in line) == (kind in ("error", "never"))
 
 
 def test_a_time_in_no_calendar_is_said() -> None:

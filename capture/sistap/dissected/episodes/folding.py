@@ -80,9 +80,9 @@ DAMAGE = {"damaged", "line_error", "lost", "repeated", "unanswered"}
 _BY_NUMBER = DAMAGE | {"busy"}  # bad only if there are many
 
 
-def fold(episodes: Iterable[Episode], telegrams: int, thresholds: Thresholds) -> list[Episode]:
-    """Return what is told, in the order of its beginning. `telegrams` are all good ones."""
-    found = _each_once(sorted(episodes, key=_begin))
+def fold(episodes: Sequence[Episode], telegrams: int, thresholds: Thresholds) -> list[Episode]:
+    """Return what is told of episodes, both in the order of their beginning. `telegrams` are all good ones."""
+    found = _each_once(episodes)
     found = _emergency_stops(found)
     found = _switched_off(found)
     found = _restarts(found)
@@ -105,7 +105,7 @@ def _joined(episodes: Iterable[Episode], is_one: Callable[[Episode, Episode], bo
         if like:
             like.join(one)
         else:
-            found.append(replace(one, stations=set(one.stations), packets=[*one.packets]))
+            found.append(one)
     return found
 
 
@@ -125,7 +125,7 @@ def _each_once(episodes: Sequence[Episode]) -> list[Episode]:
 
 def _emergency_stops(episodes: Sequence[Episode]) -> list[Episode]:
     """Make one of the faults of several drives that came and went together."""
-    faults = [one for one in episodes if one.kind == "fault" and one.hit.topic in _ESTOP]
+    faults = [one for one in episodes if one.hit.topic in _ESTOP]
     stops: list[Episode] = []
     for group in _at_once(faults):
         stations = set[int]().union(*(one.stations for one in group))

@@ -347,14 +347,14 @@ def _counted(episodes: Sequence[Episode], clock: Callable[[float], str]) -> Phra
     if is_timed and count > 1:
         longest = worst.hit.worst
         how.insert(0, f"worst {longest * 1e3:.4g} ms at {clock(worst.hit.from_s)}" if longest else "not measured")
-    elif count == 1 or worst.kind in ("error", "never", "system_error"):
+    elif count == 1 or worst.kind in ("error", "never"):
         how.insert(0, _each_detail(certain or episodes))
     return Phrase(f"{what}{more} ({', '.join(filter(None, how))})", worst, episodes)
 
 
 def _each_detail(episodes: Sequence[Episode]) -> str:
-    """Write what they are about: the worst first, and of those the most frequent; the first of many."""
-    ranked = sorted(episodes, key=lambda one: (-one.severity, -one.count))
+    """Write what they are about: the most frequent first; of many, the first."""
+    ranked = sorted(episodes, key=lambda one: -one.count)
     texts = [" ".join(filter(None, [one.hit.parameter, one.hit.detail.removeprefix(PERHAPS)])) for one in ranked]
     different = list(dict.fromkeys(filter(None, texts)))
     more = f" and {len(different) - _ALONE} more" if len(different) > _ALONE else ""
