@@ -265,6 +265,24 @@ def test_what_moves_by_itself_is_other_once() -> None:
     assert "station 5 P-0-0123 10 -> 7 rpm at 06:03:30, nobody on this bus wrote it" in found.lines[3]
 
 
+@pytest.mark.parametrize(
+    ("between", "count"),
+    [
+        (run(9), 1),
+        (NEXT_FILE, 0),
+        (event(Event.CAPTURE_STARTED), 0),
+        (event(Event.ADAPTER_LOST), 0),
+        (do("silent", 5, columns={"sis.parameter": "P-0-0123", "sis.service": "0x1f"}), 0),
+        (do("silent", 5, columns={"sis.parameter": "P-0-0123", "sis.service": "0x10"}), 1),
+        (do("silent", 5, columns={"sis.parameter": "P-0-0145", "sis.service": "0x1f"}), 1),
+        (do("silent", 4, columns={"sis.parameter": "P-0-0123", "sis.service": "0x1f"}), 1),
+    ],
+)
+def test_nobody_wrote_only_what_somebody_would_have_heard(between: Play, count: int) -> None:
+    before, after = (reads(access(5, "P-0-0123", value)) for value in (12.0, 10.0))
+    assert len(details(then(writes("P-0-0123", (PLC, 12)), before, between, after), "other")) == count
+
+
 def test_each_visitor_has_written_each_parameter() -> None:
     written = ("P-0-0123", 12, 127), ("P-0-0145", 13, 127), ("P-0-0123", 14, 126)
     visits = (do("write", 5, ident, value, master=master) for ident, value, master in written)

@@ -237,11 +237,12 @@ def test_a_code_is_never_hidden_by_another_one(state_kind: str, state_topic: str
 
 
 def test_an_emergency_stop_begins_with_the_first_drive_and_ends_with_the_last() -> None:
-    stops = [episode("fault", 1000 + 20 * one, 2000 + 100 * one, 3 + one, topic="F434") for one in range(3)]
-    late = [episode("fault", 1101, 1200, 9, topic="F434"), episode("fault", 5000, 5100, 4, topic="F434")]
+    ends = 2000, 2200, 2100
+    stops = [episode("fault", 1000 + 20 * one, ends[one], 3 + one, topic="F434") for one in range(3)]
+    late = [episode("fault", 1090, 1200, 9, topic="F434"), episode("fault", 5000, 5100, 4, topic="F434")]
     stop, *others = fold([*stops, *late], 1000, THRESHOLDS)
     assert (stop.kind, stop.stations, stop.from_s, stop.to_s) == ("estop", {3, 4, 5}, 1000, 2200)
-    assert [(one.kind, one.from_s) for one in others] == [("fault", 5000)]  # alone; that at 1101 is told with them
+    assert [(one.kind, one.from_s) for one in others] == [("fault", 5000)]  # alone; that at 1090 is told with them
     assert kinds(*stops) == ["estop"]  # nothing has to come after it
 
 
@@ -258,6 +259,14 @@ def test_a_restart_begins_with_its_silence(silence: tuple[float, float], *, is_r
     for one in restarts:
         assert one.from_s == 900
         assert one.hit.detail == f"silent for {silence[1] - silence[0]} s, initialised again"
+
+
+@pytest.mark.parametrize("kind", ["silent", "unanswered", "repeated"])
+def test_a_restart_begins_with_the_longest_of_what_nobody_answered(kind: str) -> None:
+    times = (960, 961), (965, 985), (990, 991)
+    silences = [episode(kind, *one, 4) for one in times]
+    (restart,) = fold([*silences, episode("restart", 1000, 1010, 4, detail="initialised again")], 9, THRESHOLDS)
+    assert (restart.from_s, restart.hit.detail) == (965, "silent for 20 s, initialised again")
 
 
 def test_the_silence_of_another_station_is_not_that_of_a_restart() -> None:

@@ -72,7 +72,7 @@ class Bus:
         )
         of_command = self.faults.command, self.silence.command, self.masters.add, self.rate.add
         of_reaction = self.faults.reaction, self.silence.reaction, self.paces.add, self.limits.add
-        self._all: Sequence[_Look] = [looker.add for looker in lookers]
+        self._all: Sequence[_Look] = [*(looker.add for looker in lookers), self.writes.unheard]
         self._of_command: Sequence[_Look] = (tap.add, self.bus.add, *of_command)
         self._of_reaction: Sequence[_Look] = (tap.add, self.bus.add, *of_reaction)
         self._looks: dict[object, Sequence[_Look]] = {}  # by what packets have in common
@@ -203,6 +203,7 @@ class Engine:
         bus = self.bus_of(packet)
         bus.silence.add(alone)
         bus.values.add(alone)
+        bus.writes.unheard(alone)
 
     def silent(self, now_s: float) -> list[Hit]:
         """Return what lasts while no packet comes."""

@@ -154,7 +154,7 @@ def _switched_off(episodes: Sequence[Episode]) -> list[Episode]:
     silences = [one for one in episodes if one.kind == "bus_silent"]
     made: list[Episode] = []
     for boot in (one for one in episodes if one.kind == "boot"):
-        before = [one for one in silences if -SOON_S <= boot.from_s - one.to_s <= _BOOT_S]
+        before = [one for one in silences if 0 <= boot.from_s - one.to_s <= _BOOT_S]
         if before:
             from_s = before[-1].from_s
             hit = boot.hit._replace(kind="off", from_s=from_s, outcome="")

@@ -14,6 +14,9 @@ from sistap.dissected.episodes.masters import Masters, station_of
 from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.dissected.episodes.standard import FORMS, LIMITS
 from sistap.dissected.packets.dissection import Packet
+from sistap.dissected.wireshark.rows import passes
+from sistap.tap.records.record import Event
+from sistap.tap.sis.faults import WRITE
 
 _RECIPE_S = 10.0  # writes of a recipe follow one another within this time
 _RECIPE = 4  # parameters; fewer are told one by one
@@ -66,6 +69,20 @@ class Writes:
             elif access.parameter in self._settings:
                 hits += self._read(packet, access)
         return hits
+
+    def unheard(self, packet: Packet) -> Iterable[Hit]:
+        """Doubt what was written: nobody has listened for a while, or has heard whether a drive took another write."""
+        is_seam = packet.event in (Event.CAPTURE_STARTED, Event.ADAPTER_LOST) and not packet.is_again
+        lost = {
+            (telegram.listener, telegram.columns.get("sis.parameter"))
+            for telegram in packet.telegrams
+            if telegram.unanswered and telegram.good and passes(WRITE.tests, telegram.columns)
+        }
+        if is_seam or lost:
+            for parameter, setting in self._settings.items():
+                if is_seam or (station_of(parameter), parameter.ident) in lost:
+                    setting.is_read_as_written = False
+        return ()
 
     def _write(self, packet: Packet, access: Access, before: str | None, *, is_change: bool) -> Iterator[Hit]:
         parameter = access.parameter._replace(port="")
