@@ -269,6 +269,11 @@ def test_a_restart_begins_with_the_longest_of_what_nobody_answered(kind: str) ->
     assert (restart.from_s, restart.hit.detail) == (965, "silent for 20 s, initialised again")
 
 
+def test_a_restart_with_a_silence_in_it_begins_before_it() -> None:
+    (restart,) = fold([episode("restart", 1000, 1010, 4), episode("silent", 1004, 1008, 4)], 9, THRESHOLDS)
+    assert restart.from_s == 1000
+
+
 def test_the_silence_of_another_station_is_not_that_of_a_restart() -> None:
     assert kinds(episode("silent", 900, 990, 5), episode("restart", 1000, 1010, 4)) == ["silent"]
 
@@ -281,6 +286,9 @@ def test_a_stop_after_a_boot_begins_where_that_ends(to_s: float, left: list[floa
     far = fold([episode("boot", FROM_S, TO_S), episode("stopped", TO_S + 1, TO_S + 500)], 1000, THRESHOLDS)
     assert [one.from_s for one in far if one.kind == "stopped"] == [TO_S + 1]
     assert kinds(episode("stopped", FROM_S, FROM_S + 10)) == ["stopped"]
+    was_off = episode("bus_silent", FROM_S, TO_S), episode("boot", TO_S + 70, TO_S + 90)
+    found = fold([was_off[0], episode("stopped", FROM_S + 5, TO_S + 500), was_off[1]], 1000, THRESHOLDS)
+    assert [(one.kind, one.from_s) for one in found] == [("off", FROM_S), ("stopped", TO_S + 90)]
 
 
 @pytest.mark.parametrize(("later_s", "count"), [(30, 1), (31, 2)])
