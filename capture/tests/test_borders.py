@@ -293,6 +293,14 @@ def test_each_visitor_has_written_each_parameter() -> None:
     ]
 
 
+@pytest.mark.parametrize(("value", "said"), [(12, "stations 3, 4: 12 rpm"), (9, "station 3: 12 rpm")])
+def test_what_a_visitor_writes_to_several_is_one_if_it_is_the_same_at_the_end(value: float, said: str) -> None:
+    written = [do("write", station, "P-0-0123", 12, master=LAPTOP) for station in (3, 4)]
+    back = then(run(1000), do("write", 4, "P-0-0123", value))
+    found = of(then(run(150), *written, back)).of("write")[0]
+    assert f"{found.who.removesuffix(' P-0-0123')}: {found.detail}" == f"{said} by new master 127; still set at the end"
+
+
 def test_a_limit_that_is_set_again_and_again_is_told_when_it_is_another() -> None:
     assert details(writes(LIMIT, *[(PLC, 3000)] * 5, (PLC, 500)), "limit_write") == [
         f"station 5 {LIMIT}: 3000 rpm by master 1; at the end 500 rpm",

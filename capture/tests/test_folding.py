@@ -72,6 +72,11 @@ def test_what_is_within_a_state_is_told_with_it(row: Explained) -> None:
         assert sorted(kinds(*state(row.state, station), one)) == sorted([row.state, row.kind])
 
 
+def test_what_is_written_to_a_station_that_restarts_is_told_with_it() -> None:
+    """A recipe names no single station."""
+    assert kinds(*state("restart", 4), episode("recipe", FROM_S, TO_S)) == ["restart"]
+
+
 def test_each_state_has_its_row() -> None:
     assert {row.state for row in TABLE} == set(EXPLAINS)
 
@@ -100,6 +105,8 @@ def test_what_somebody_sets_at_a_boot_is_told(hit: Hit, *, is_told: bool) -> Non
         (("fault", 0, 100, 3, "F2028"), ("fault", 60, 160, 4, "F2028"), 1),
         (("fault", 0, 100, 3, "F2028"), ("fault", 61, 160, 4, "F2028"), 2),
         (("fault", 0, 100, 3, "F2028"), ("fault", 0, 100, 4, "F2029"), 2),
+        (("fault", 0, 100, 3, "F2028"), ("fault", 0, 160, 4, "F2028"), 1),
+        (("fault", 0, 100, 3, "F2028"), ("fault", 0, 161, 4, "F2028"), 2),
         (("silent", 0, 100, 3, ""), ("silent", 10, 110, 4, ""), 1),
         (("silent", 0, 100, 3, ""), ("silent", 11, 110, 4, ""), 2),
         (("silent", 0, 100, 3, ""), ("silent", 0, 100, 3, ""), 2),
@@ -130,7 +137,7 @@ def test_what_differs_is_told_of_each_station(kind: str) -> None:
     said: dict[str, Any] = {"topic": "F2028", "parameter": "S-0-0040", "detail": "5 rpm by master 1"}
     others: list[dict[str, Any]] = [{"parameter": "S-0-0084"}, {"severity": Severity.NOTE}, {"outcome": "still so"}]
     others += [{"topic": "F2029"}] if kind in ("fault", "warning", "limits", "never") else []
-    others += [{"detail": "5 rpm by master 2"}] if kind == "write" else []
+    others += [{"detail": "5 rpm by master 2"}, {"detail": "6 rpm by master 1"}] if kind == "write" else []
     for other in others:
         severity = {"severity": Severity.ERROR}
         both = episode(kind, 0, 100, 3, **severity | said), episode(kind, 0, 100, 4, **severity | said | other)
@@ -286,6 +293,8 @@ def test_a_stop_after_a_boot_begins_where_that_ends(to_s: float, left: list[floa
     far = fold([episode("boot", FROM_S, TO_S), episode("stopped", TO_S + 1, TO_S + 500)], 1000, THRESHOLDS)
     assert [one.from_s for one in far if one.kind == "stopped"] == [TO_S + 1]
     assert kinds(episode("stopped", FROM_S, FROM_S + 10)) == ["stopped"]
+    stops = fold([episode("estop", FROM_S, TO_S), episode("stopped", FROM_S + 5, TO_S + 500)], 1000, THRESHOLDS)
+    assert [one.from_s for one in stops] == [FROM_S, TO_S]
     was_off = episode("bus_silent", FROM_S, TO_S), episode("boot", TO_S + 70, TO_S + 90)
     found = fold([was_off[0], episode("stopped", FROM_S + 5, TO_S + 500), was_off[1]], 1000, THRESHOLDS)
     assert [(one.kind, one.from_s) for one in found] == [("off", FROM_S), ("stopped", TO_S + 90)]

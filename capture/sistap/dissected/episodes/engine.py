@@ -230,11 +230,10 @@ class Engine:
         found = []
         for bus in self._buses.values():
             here = [one for one in self._book.episodes() if self._is_of(one, bus)]
-            told = fold(here, bus.faults.telegrams, self._thresholds)
-            for one in told:
+            for one in here:
                 if one.kind in ("write", "limit_write", "conflict"):
                     one.outcome = bus.writes.outcome(one.hit)
-            found += told
+            found += fold(here, bus.faults.telegrams, self._thresholds)
         return sorted(found, key=lambda one: one.from_s)
 
     def _is_of(self, episode: Episode, bus: Bus) -> bool:

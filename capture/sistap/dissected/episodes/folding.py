@@ -242,13 +242,13 @@ def _of_several_stations(episodes: Sequence[Episode]) -> list[Episode]:
 
     def is_one(one: Episode, other: Episode) -> bool:
         if one.kind in DAMAGE:
-            return one.kind == other.kind and other.from_s <= one.to_s + one.rule.join_s
+            return other.from_s <= one.to_s + one.rule.join_s
         apart_s = _TOGETHER[one.kind]
         is_same = _what(one) == _what(other)
         is_near = abs(one.from_s - other.from_s) <= apart_s and abs(one.to_s - other.to_s) <= apart_s
         is_like = one.kind not in _SAME_DETAIL or one.hit.topic == other.hit.topic
         is_like = is_like and (one.kind != "drift" or _is_as_far(one, other))
-        is_like = is_like and (one.kind != "write" or _author(one) == _author(other))
+        is_like = is_like and (one.kind != "write" or one.hit.detail == other.hit.detail)
         return is_same and is_near and is_like and not one.stations & other.stations
 
     several = sorted((one for one in episodes if one.kind in _TOGETHER or one.kind in DAMAGE), key=_begin)
@@ -262,11 +262,7 @@ def _of_several_stations(episodes: Sequence[Episode]) -> list[Episode]:
 
 
 def _what(one: Episode) -> tuple[object, ...]:
-    return one.kind, one.hit.parameter, one.severity, one.outcome
-
-
-def _author(write: Episode) -> str:
-    return write.hit.detail.rpartition(" by ")[2]
+    return one.hit.parameter, one.severity, one.outcome
 
 
 def _is_as_far(one: Episode, other: Episode) -> bool:
