@@ -24,6 +24,7 @@ from machines import (
 )
 from test_kinds import (
     LIMIT,
+    RISES,
     TORQUE,
     Play,
     about,
@@ -351,6 +352,15 @@ def test_what_is_other_than_in_a_good_capture(kind: str, good: Play, now: Play) 
         machine = Machine(before=engine)
         now(machine)
         assert len(machine.told().of(kind)) == count
+
+
+def test_what_drifts_in_a_good_capture_too_is_usual() -> None:
+    good = Machine()
+    told(TORQUE, RISES, every_s=30, unit="%")(good)
+    good.finish()
+    machine = Machine(before=good.engine)
+    told(TORQUE, RISES, every_s=30, unit="%")(machine)
+    assert machine.told().of("drift") == []
 
 
 def test_each_bus_is_compared_with_the_good_one_of_its_name() -> None:

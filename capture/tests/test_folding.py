@@ -196,6 +196,14 @@ def test_a_cause_writes_what_the_effect_reads(later_s: float, station: int, para
     assert [bool(one.cause) for one in found if one.kind == "step"] == [is_cause]
 
 
+@pytest.mark.parametrize("kind", ["write", "limit_write", "conflict"])
+def test_which_kinds_have_a_cause(kind: str) -> None:
+    write = episode(kind, 1000, 1000, 3, parameter="S-0-0036", topic=kind)
+    effects = [episode(one, 1000, 2000, 3, parameter="S-0-0040") for one in ("step", "apart", "drift", "changed")]
+    said = {one.kind: one.cause for one in fold([write, *effects], 1000, THRESHOLDS) if one.kind != kind}
+    assert said == {**dict.fromkeys(("step", "apart"), "soon after the write of S-0-0036"), "drift": "", "changed": ""}
+
+
 BOOT = "step changed unanswered repeated silent phase write limit_write limits recipe error early cycle"
 ELSEWHERE = {"restart", "blip"}  # no state explains them; they have tests of their own
 WITHIN = {
@@ -328,6 +336,15 @@ def test_damage_weighs_by_its_part_of_all(count: int, telegrams: int, severity: 
 def test_damage_that_is_there_all_the_time_is_one(telegrams: int, rows: int) -> None:
     found = fold([episode("damaged", 100.0 * one, 100.0 * one, 3) for one in range(20)], telegrams, THRESHOLDS)
     assert len(found) == rows
+
+
+def test_each_kind_that_is_there_all_the_time_is_told_by_itself() -> None:
+    """A busy station is no damage: never an error."""
+    often = [episode(kind, 0, 100, 3) for kind in ("damaged", "lost", "busy")]
+    for one in often:
+        one.count = 20
+    found = fold(often, 1000, THRESHOLDS)
+    assert {one.kind: one.severity.name for one in found} == {"damaged": "ERROR", "lost": "ERROR", "busy": "WARNING"}
 
 
 @pytest.mark.parametrize(("count", "severity"), [(2, Severity.NOTE), (3, Severity.ERROR)])
