@@ -43,7 +43,7 @@ from test_kinds import (
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.lines import lines
-from sistap.dissected.packets.dissection import EXCEEDED
+from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event
 from sistap.tap.sis.faults import FAULTS
@@ -77,6 +77,27 @@ def test_a_pause_in_which_characters_were_lost_is_none(flag: int) -> None:
     times = {"pause": judged(0.003, 0.002, EXCEEDED), "reaction": judged(0.06, 0.05, EXCEEDED)}
     found = of(do("put", telegram(5, PLC, is_reaction=True, is_doubtful=True, **times), errors=int(flag)))
     assert (len(found.of("interval")), len(found.of("late"))) == (flag == 0, 1)
+
+
+def test_refusals_are_told_by_code_service_and_access() -> None:
+    known = reads(access(5, LIMIT, 3000.0))
+    codes = [
+        do("refuse", 5, LIMIT, code, is_write=is_write)
+        for code, is_write in (("0x8004", False), ("0x8004", True), ("0x7009", True))
+    ]
+    services = [reaction(service=service, is_refusal=True, status=0xF0) for service in (0x03, 0x0F)]
+    assert details(then(known, *codes, *services), "error") == [
+        f"station 5 {LIMIT}: 0x8004",
+        f"station 5 {LIMIT}: write: 0x8004",
+        f"station 5 {LIMIT}: write: 0x7009",
+        "station 5: Initialization of the SIS communication, status 0xf0",
+        "station 5: Token passing, status 0xf0",
+    ]
+
+
+def test_what_perhaps_was_late_is_counted_beside_what_was() -> None:
+    late = [reaction(is_doubtful=True, reaction=judged(0.06, 0.05, verdict)) for verdict in (EXCEEDED, UNRESOLVED)]
+    assert "1 reaction later than TrS, perhaps 1 more (" in of(then(*late)).lines[4]
 
 
 def test_a_station_that_only_refuses_is_known_when_it_is_damaged() -> None:

@@ -180,9 +180,17 @@ CASES = (
         then(NOUGHT, do("ask", 0), do("put", type=OTHER)),
         *("station 0", "its rest is not a telegram"),
     ),
+    Case("damaged", then(run(5), do("ask", 9), do("put", type=OTHER)), "", "its rest is not a telegram"),  # who is 9?
     Case("damaged", do("put", telegram(None, None, good=False)), "", "its checksum is wrong"),
     Case("damaged", do("put", stretched, faults=stretched.faults), "station 5", ""),
-    Case("lost", then(run(5), event(Event.CHARACTERS_LOST, "overrun")), "", "overrun"),
+    Case("lost", then(run(5), do("ask", 4), event(Event.CHARACTERS_LOST, "overrun")), "", "overrun"),
+    Case(
+        *(
+            "line_error",
+            then(run(5), do("ask", 4), do("put", telegram(4, PLC, is_reaction=True), errors=int(Flag.BREAK))),
+        ),
+        *("station 4", "in a telegram that is not damaged"),
+    ),
     Case("error", refuse(0x03), "station 5", "Initialization of the SIS communication, status 0xf0"),
     Case("error", refuse(0x01), "station 5", "Cancel data transmission, status 0xf0"),
     Case("error", refuse(0x0F), "station 5", "Token passing, status 0xf0"),
@@ -218,6 +226,10 @@ CASES = (
     ),
     Case("unreadable", then(run(30), do("noise", 21, every_s=0.2), reaction(3)), "", "21 records are no telegrams"),
     Case("unreadable", then(do("noise", 21, every_s=0.2), reaction(3)), "", "21 records are no telegrams", 0.2, 4.2),
+    Case(
+        *("unreadable", then(*[then(do("noise"), reaction(3))] * 10, do("noise", 21, every_s=0.2), reaction(3))),
+        *("", "21 records are no telegrams"),
+    ),
     Case("unreadable", then(run(30), *[mangled] * 25, reaction(3)), "", "25 records are no telegrams"),
     Case("unreadable", then(*[then(do("noise", 3), reaction())] * 10), "", "30 records are no telegrams"),
     Case("foreign", do("noise", 7), "", "none of 7 records is a telegram: another protocol, rate or format?", 0.1, 0.7),
@@ -426,6 +438,7 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
     ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
     ("error", refuse(0x10)),  # what is asked for is not known
+    ("error", then(*[do("refuse", 5, LIMIT, "0x1001")] * 3)),
     ("changed", reads(*[access(5, "P-0-0222", one) for one in [1000] * 20 + [1010] * 5 + [1000] * 5], every_s=10)),
     ("unreadable", then(*[then(do("noise"), reaction())] * 25)),  # two of three are telegrams
 )
@@ -492,10 +505,10 @@ def test_four_warnings_are_told_one_by_one_and_four_faults_as_one() -> None:
 
 
 def test_what_a_good_capture_refused_too_is_no_fault() -> None:
-    good = Machine()
+    good = Machine(interface="COM3")
     refused(is_known=True)(good)
     assert good.told().kinds == ["error"]
-    machine = Machine(before=good.engine)
+    machine = Machine(before=good.engine, interface="COM4")
     refused(is_known=True)(machine)
     assert machine.told().kinds == ["never"]
 
