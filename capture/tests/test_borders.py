@@ -397,7 +397,19 @@ def test_each_bus_is_compared_with_the_good_one_of_its_name() -> None:
     now = Engine(good)
     asks(LAPTOP, "a", now)
     asks(LAPTOP, "b", now)
+    other = Machine(interface="c", baud=19200)
+    other.engine = now
+    other.run(10)
     assert sorted((one.kind, one.hit.port) for one in now.finish()) == [("master", "b"), ("step", "b")]
+
+
+def test_what_nobody_describes_is_counted_of_all_buses() -> None:
+    engine = Engine()
+    for name in "ab":
+        machine = Machine(3, interface=name, is_described=False)
+        machine.engine = engine
+        machine.run(60)
+    assert engine.undescribed == 2  # the speeds
 
 
 def test_what_a_good_capture_writes_and_says_is_known() -> None:

@@ -309,12 +309,25 @@ def test_new_masters_are_told_each_and_at_each_bus(two: Bus) -> None:
     for two.port in ("", "b"):
         for master in (17, 18, 17):
             two.exchange(master=master)
-    assert [(hit.topic, hit.port) for hit in two.told] == [("17", ""), ("18", ""), ("17", "b"), ("18", "b")]
+        two.ask(4, master=17)
+    assert [(hit.topic, hit.station, hit.port) for hit in two.told] == [
+        (master, station, port) for port in ("", "b") for master, station in (("17", 3), ("18", 3), ("17", 4))
+    ]
+
+
+def test_each_bus_that_is_silent_is_told(two: Bus) -> None:
+    assert [(hit.kind, hit.port) for hit in two.live.silent(two.now_s + 200)] == [
+        ("bus_silent", ""),
+        ("bus_silent", "b"),
+    ]
 
 
 def test_what_a_station_does_not_know_is_not_kept(bus: Bus) -> None:
     """A panel may ask for it the whole night."""
-    bus.exchange(access("S-0-0001", "")._replace(error="0x1001"))
+    refusal = telegram(16, 3, {}, is_reaction=True)
+    refusal.is_refusal = True
+    bus.ask()
+    bus.packet(refusal, accesses=[access("S-0-0001", "")._replace(error="0x1001")])
     assert bus.told == []
 
 

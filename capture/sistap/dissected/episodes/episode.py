@@ -67,7 +67,7 @@ class Episode:
             self.severity, self.hit = other.severity, other.hit
         self.from_s, self.to_s = min(self.from_s, other.from_s), max(self.to_s, other.to_s)
         self.count += other.count
-        self.outcome = self.outcome or other.outcome
+        self.outcome = other.outcome
         self.packets = sorted({*self.packets, *other.packets})
         self.packets[PACKETS - 1 : -1] = []
 

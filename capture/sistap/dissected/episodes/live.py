@@ -65,7 +65,7 @@ class LiveEpisodes:
 
     def _matters(self, hit: Hit) -> bool:
         rule = RULES[hit.kind]
-        is_unsure = hit.severity is not None and hit.severity < Severity.WARNING
+        is_unsure = hit.severity == Severity.NOTE
         if not rule.is_kept or (is_unsure and hit.kind not in _CERTAIN):
             return False
         if not rule.goes_on:
