@@ -352,6 +352,15 @@ CASES = (
         ),
         *("station 5 P-0-0123", "12 rpm by master 1; still set at the end"),
     ),
+    Case(  # the same, whose attribute nobody had read until then
+        "write",
+        then(
+            run(150),
+            reads(undescribed(5, "P-0-0123", (120_000).to_bytes(4, "little"))),
+            do("write", 5, "P-0-0123", 12, master=LAPTOP),
+        ),
+        *("station 5 P-0-0123", "12 rpm -> 12 rpm by new master 127; still set at the end"),
+    ),
     Case(  # a segment of a list
         *("write", then(run(150), do("write", 5, "P-0-0123", "", text=None, master=LAPTOP))),
         *("station 5 P-0-0123", "another value by new master 127"),
