@@ -223,6 +223,8 @@ def test_what_is_still_so_comes_first_and_then_what_moved_farthest(kind: str, or
         one.hit = one.hit._replace(worst=far)
     made[2].outcome = "still so"
     assert [one.split()[2] for one in told(*made)[2].split(": ")[1].split("; ")] == order
+    few = [one.split()[2] for one in told(*made[:3])[2].split(": ")[1].split("; ")]
+    assert few == [far for far in order if far != "30"] + ["5"] * (kind != "apart")
 
 
 @pytest.mark.parametrize("kind", ["step", "drift", "blip", "changed"])
