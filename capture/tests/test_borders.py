@@ -44,6 +44,7 @@ from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.lines import lines
 from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
+from sistap.dissected.wireshark.rows import EVENT
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event
 from sistap.tap.sis.faults import FAULTS
@@ -294,6 +295,7 @@ def test_what_moves_by_itself_is_other_once() -> None:
         (NEXT_FILE, 0),
         (event(Event.CAPTURE_STARTED), 0),
         (event(Event.ADAPTER_LOST), 0),
+        (do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True), 1),  # the next file of a ring
         (do("silent", 5, columns={"sis.parameter": "P-0-0123", "sis.service": "0x1f"}), 0),
         (do("silent", 5, columns={"sis.parameter": "P-0-0123", "sis.service": "0x10"}), 1),
         (do("silent", 5, columns={"sis.parameter": "P-0-0145", "sis.service": "0x1f"}), 1),

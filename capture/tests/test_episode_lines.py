@@ -71,7 +71,7 @@ SAID = {
     "drift*": ("+5 %/h (not by chance)", "station 4 P-0-0123 +5 %/h"),
     "conflict*": (
         *("master 1 9 rpm, master 2 8 rpm", "station 4 P-0-0123 is written by two masters {}: "),
-        "master 1 9 rpm, master 2 8 rpm, still so",
+        "master 1 9 rpm, master 2 8 rpm (2 times), still so",
     ),
     "limit_write": (
         "9.50 rpm -> 5.00 rpm by master 1",
@@ -118,7 +118,7 @@ def test_what_is_said_of_one_episode(name: str) -> None:
     end = "23:11:00" if kind != name else ""
     parameter = "P-0-0123" if kind in OF_PARAMETERS else ""
     made = episode(kind, "23:10:00", end, 4, detail=detail, parameter=parameter, topic=detail[:5], worst=1.0)
-    made.outcome = "still so"
+    made.outcome, made.count = "still so", 2 if kind == "conflict" else 1
     (phrase,) = (phrase.text for line in lines([made], at("22:00:00"), at("23:59:00")) for phrase in line.phrases)
     assert phrase == said.format(f"23:10:00 to {end}" if end else "23:10:00")
 
@@ -290,13 +290,17 @@ def test_what_goes_on_where_the_last_one_ended_is_one_phrase(changes: Sequence[t
     [
         (2, 0, "2 intervals longer than TzA (worst 9 ms at 23:10:00, station 6, 23:10:00, 23:11:00)"),
         (1, 2, "1 interval longer than TzA, perhaps 2 more (9 ms, TzA 2 ms, station 6, 23:10:00)"),
-        (0, 2, "perhaps 2 intervals longer than TzA (worst 9 ms at 23:10:00, station 6, 23:10:00, 23:11:00)"),
+        (0, 2, "perhaps 2 intervals longer than TzA (worst 9 ms at 23:10:00, station 7, 23:10:00, 23:11:00)"),
     ],
 )
 def test_what_is_certain_is_counted_apart(certain: int, perhaps: int, said: str) -> None:
     def hits(count: int, before: str, **more: Any) -> list[Episode]:
         detail = f"{before}9 ms, TzA 2 ms"
-        return [episode("interval", f"23:1{one}:00", "", 6, detail=detail, worst=0.009, **more) for one in range(count)]
+        station = 7 if before else 6
+        return [
+            episode("interval", f"23:1{one}:00", "", station, detail=detail, worst=0.009, **more)
+            for one in range(count)
+        ]
 
     unsure = hits(perhaps, "perhaps: ", severity=Severity.NOTE)
     assert told(*hits(certain, ""), *unsure)[4] == f"Limits: {said}."
@@ -311,6 +315,9 @@ def test_times_that_nobody_measured_have_no_worst() -> None:
         for station in (3, 4)
     ]
     assert told(*made)[4] == "Limits: perhaps 2 reactions later than TrS (not measured, stations 3, 4, 23:10:00)."
+    made.append(episode("late", "23:10:00", "", 3, worst=0.06, severity=Severity.NOTE))
+    said = "perhaps 3 reactions later than TrS (worst 60 ms at 23:10:00, stations 3, 4, 23:10:00)"
+    assert told(*made)[4] == f"Limits: {said}."
 
 
 def test_of_many_codes_the_most_frequent_come_first() -> None:
@@ -319,6 +326,13 @@ def test_of_many_codes_the_most_frequent_come_first() -> None:
     assert told(*errors, *errors)[2] == (
         "Drives: 32 error codes (0x7004, 0x7003, 0x7000 and 2 more, stations 3, 4, 5, 6, 7, 23:10:00)."
     )
+    assert told(*errors[:3])[2] == "Drives: 3 error codes (0x7000, 0x7001, 0x7002, stations 3, 4, 5, 23:10:00)."
+
+
+def test_more_than_three_times_are_from_the_first_to_the_last() -> None:
+    lost = [episode("lost", f"23:1{minute}:00", station=3) for minute in range(4)]
+    assert told(*lost)[4] == "Limits: 4 losses of characters (station 3, 23:10:00 to 23:13:00)."
+    assert told(*lost[:3])[4] == "Limits: 3 losses of characters (station 3, 23:10:00, 23:11:00, 23:12:00)."
 
 
 def test_more_than_eight_stations_are_counted() -> None:
@@ -352,14 +366,16 @@ MANY = {
 @pytest.mark.parametrize("kind", MANY)
 def test_what_is_only_counted(kind: str) -> None:
     """It is one thing to look at, however often it is."""
-    more: dict[str, Any] = {"severity": Severity.WARNING, "detail": "0x7009"}
-    made = [episode(kind, clock, station=3, **more) for clock in ("23:10:00", "23:40:00")]
+    more: dict[str, Any] = {"severity": Severity.WARNING, "detail": "0x7009", "worst": 2.0}
+    made = [episode(kind, clock, station=station, **more) for station, clock in ((3, "23:10:00"), (4, "23:40:00"))]
     made[1].count = 8
     first, *others = told(*made)
     assert first.startswith("OK, 1 thing to look at, ")
     (line,) = (line for line in others if not line.endswith(": nothing."))
     assert f": 9 {MANY[kind]} (" in line
     assert ("0x7009" in line) == (kind in ("error", "never"))
+    is_timed = kind in ("late", "interval", "cycle")
+    assert ("station 3 up to 2000 ms, station 4 up to 2000 ms" if is_timed else "stations 3, 4") in line
 
 
 def test_a_time_in_no_calendar_is_said() -> None:

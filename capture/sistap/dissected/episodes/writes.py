@@ -76,7 +76,7 @@ class Writes:
         lost = {
             (telegram.listener, telegram.columns.get("sis.parameter"))
             for telegram in packet.telegrams
-            if telegram.unanswered and telegram.good and passes(WRITE.tests, telegram.columns)
+            if telegram.unanswered and passes(WRITE.tests, telegram.columns)
         }
         if is_seam or lost:
             for parameter, setting in self._settings.items():
