@@ -9,6 +9,7 @@ from pathlib import Path
 
 import planted
 import pytest
+from machines import BEGIN_S, judged
 from machines import access as measured
 
 from sistap.commands.recorder import recorder as recorder_module
@@ -20,7 +21,7 @@ from sistap.dissected.captures import reading
 from sistap.dissected.episodes.episode import Hit, severity_of
 from sistap.dissected.episodes.live import FIELD, LIVE, LiveEpisodes
 from sistap.dissected.episodes.rules import Severity
-from sistap.dissected.packets.dissection import Packet, Telegram
+from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED, Packet, Telegram
 from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files.pcapng import Interface
@@ -37,7 +38,7 @@ class Bus:
     def __init__(self) -> None:
         self.live = LiveEpisodes()
         self.told: list[Hit] = []
-        self.now_s = 0.0
+        self.now_s = BEGIN_S
         self.heard_s: dict[str, float] = {}
         self.port = ""
 
@@ -47,7 +48,7 @@ class Bus:
         said = (self.port, kind, None, 9600, "8E1", None, more.get("event"), text, 0, 0, ())
         packet = Packet(*said, number=1, epoch_s=self.now_s, time_s=self.now_s, uncertainty_s=None, intervals_s=[])
         packet.telegrams, packet.accesses = [*telegrams], [*accesses]
-        packet.since_s, self.heard_s[self.port] = self.now_s - self.heard_s.get(self.port, 0.0), self.now_s
+        packet.since_s, self.heard_s[self.port] = self.now_s - self.heard_s.get(self.port, BEGIN_S), self.now_s
         self.told += self.live.add(packet)
 
     def ask(self, station: int = 3, *, master: int = 16, after_unanswered: bool = False) -> None:
@@ -176,6 +177,14 @@ def test_a_write_of_a_new_master_is_told_each_time(bus: Bus) -> None:
     for value in ("5", "6"):
         bus.exchange(access("S-0-0091", value, master=17))
     assert bus.kinds == ["limit_write", "master", "write", "write"]
+
+
+def test_what_a_usual_master_writes_is_told_when_it_is_new_or_a_limit_changes(bus: Bus) -> None:
+    for ident, value in (("S-0-0091", "1"), ("S-0-0091", "1"), ("S-0-0036", "1"), ("S-0-0036", "2"), ("S-0-0091", "2")):
+        bus.exchange(access(ident, value, master=16))
+    assert [(hit.kind, hit.parameter) for hit in bus.told] == [
+        *(("limit_write", "S-0-0091"), ("write", "S-0-0036"), ("limit_write", "S-0-0091"))
+    ]
 
 
 def test_what_was_never_written_is_told_once_after_a_while() -> None:
@@ -329,6 +338,15 @@ def test_what_a_station_does_not_know_is_not_kept(bus: Bus) -> None:
     bus.ask()
     bus.packet(refusal, accesses=[access("S-0-0001", "")._replace(error="0x1001")])
     assert bus.told == []
+
+
+@pytest.mark.parametrize(("verdict", "told"), [(EXCEEDED, ["late"]), (UNRESOLVED, [])])
+def test_what_is_perhaps_late_is_not_kept(bus: Bus, verdict: int, told: Sequence[str]) -> None:
+    late = telegram(16, 3, {}, is_reaction=True)
+    late.is_doubtful, late.reaction = True, judged(0.06, 0.05, verdict)
+    bus.ask()
+    bus.packet(late)
+    assert bus.kinds == told
 
 
 def test_a_step_of_the_clock_is_told(bus: Bus) -> None:

@@ -56,7 +56,7 @@ class LiveEpisodes:
         if packet.type != EVENT and not any(telegram.good for telegram in packet.telegrams):
             self._asked = {asked: one for asked, one in self._asked.items() if asked[0] is not bus}  # perhaps answered
         for telegram in packet.telegrams:
-            if telegram.good and not telegram.is_reaction:
+            if not telegram.is_reaction:
                 asked = bus, telegram.talker
                 before = self._asked.get(asked)
                 if before and telegram.columns.get(FIELD):
