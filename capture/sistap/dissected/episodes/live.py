@@ -77,5 +77,5 @@ class LiveEpisodes:
 
 def _seam(packet: Packet) -> Packet:
     """Return the beginning of a file, as a recorder's, that begins with a packet."""
-    nothing: dict[str, Any] = {"telegrams": [], "accesses": [], "intervals_s": [], "errors": 0}
+    nothing: dict[str, Any] = {"telegrams": [], "accesses": [], "intervals_s": []}
     return replace(packet, type=EVENT, event=Event.CAPTURE_STARTED, text=KEPT, **nothing)
