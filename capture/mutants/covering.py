@@ -66,10 +66,10 @@ PARTS = (
     Part("sistap/dissected/episodes/lines.py", ("test_episode_lines.py", *EPISODES)),
     *room("sistap/dissected/episodes", "book episode", ("test_book.py", *EPISODES)),
     Part("sistap/dissected/episodes/levels.py", ("test_levels.py", *EPISODES)),
-    *room("sistap/dissected/episodes", "engine live silence", (*EPISODES, "test_live_episodes.py")),
+    *room("sistap/dissected/episodes", "diagnoses engine live silence writes", (*EPISODES, "test_live_episodes.py")),
     *room(
         "sistap/dissected/episodes",
-        "boots diagnoses faults machine masters paces states trend values writes",
+        "boots faults machine masters paces states trend values",
         EPISODES,
     ),
     *room("sistap/dissected/packets", "apart distribution kept", PACKETS),

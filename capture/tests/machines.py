@@ -66,7 +66,7 @@ def access(station: int | str, ident: str, value: str | float, *, master: int | 
     unit = "" if number is None else str(more.pop("unit", "rpm"))
     shown = str(value) if number is None else f"{value} {unit}"
     said: dict[str, Any] = {
-        "parameter": Parameter(str(more.pop("port", "")), str(station), DEVICE, ident),
+        "parameter": Parameter(str(more.pop("port", "")), str(station), int(more.pop("device", DEVICE)), ident),
         "is_write": False,
         "master": master,
         "value": shown,
@@ -79,7 +79,7 @@ def access(station: int | str, ident: str, value: str | float, *, master: int | 
     return Access(**said | more)
 
 
-def diagnosis(station: int, code: int, **more: Any) -> Access:
+def diagnosis(station: int | str, code: int, **more: Any) -> Access:
     """Return what a drive says of itself, as the dissector shows it."""
     return access(station, DIAGNOSIS, f"0x{code:08X}", number=float(code), data=raw(code, 4), **more)
 
@@ -117,7 +117,9 @@ class Machine:
     def put(self, *telegrams: Telegram, accesses: Iterable[Access] = (), after_s: float = 0.0, **more: Any) -> None:
         """Let a packet come."""
         self.now_s += after_s
-        more = self._packets | {"accesses": [*accesses], "number": len(self.times_s)} | more
+        port = (self._packets | more).get("interface", "")
+        said = [one._replace(parameter=one.parameter._replace(port=port)) if port else one for one in accesses]
+        more = self._packets | {"accesses": said, "number": len(self.times_s)} | more
         self.times_s.append(self.now_s)
         self.engine.add(packet(self.now_s, *telegrams, **more))
 
@@ -125,21 +127,21 @@ class Machine:
         """Let something happen to the tap."""
         self.put(type=EVENT, event=int(event), text=text)
 
-    def ask(self, station: int, master: int = PLC, **more: Any) -> None:
+    def ask(self, station: int, master: int | None = PLC, **more: Any) -> None:
         """Send a command."""
         self.put(telegram(master, station, **more), after_s=0.02)
 
-    def answer(self, station: int, *accesses: Access, master: int = PLC, **more: Any) -> None:
+    def answer(self, station: int, *accesses: Access, master: int | None = PLC, **more: Any) -> None:
         """Let a drive answer."""
         self.put(telegram(station, master, is_reaction=True, **self.more | more), accesses=accesses, after_s=0.01)
 
-    def exchange(self, *accesses: Access, station: int = 0, master: int = PLC, **more: Any) -> None:
+    def exchange(self, *accesses: Access, station: int = 0, master: int | None = PLC, **more: Any) -> None:
         """Ask a drive and let it answer."""
         station = station or int(accesses[0].parameter.station.partition("/")[0])
         self.ask(station, master, **{key: value for key, value in more.items() if key in ("service", "phase")})
         self.answer(station, *accesses, master=master, **more)
 
-    def write(self, station: int, ident: str, value: str | float, *, master: int = PLC, **more: Any) -> None:
+    def write(self, station: int, ident: str, value: str | float, *, master: int | None = PLC, **more: Any) -> None:
         """Write a parameter."""
         self.exchange(access(station, ident, value, master=master, is_write=True, **more), master=master)
 

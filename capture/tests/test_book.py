@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from sistap.dissected.episodes.book import MOST, Book
+from sistap.dissected.episodes.book import MOST, MOST_PAGES, Book
 from sistap.dissected.episodes.episode import PACKETS, Episode, Hit
 from sistap.dissected.episodes.rules import RULES
 
@@ -55,6 +55,32 @@ def test_the_memory_of_a_month_of_hits_is_bounded() -> None:
     assert sum(episode.count for episode in episodes) == 30_000
     assert all(len(episode.packets) <= PACKETS for episode in episodes)
     assert (episodes[0].from_s, episodes[-1].to_s) == (0, 2_999_900)
+
+
+def test_many_hits_are_joined_with_their_nearest() -> None:
+    """Thirty times two, a second apart: still thirty, each with its time."""
+    book = Book()
+    book.add(hit(3600.0 * number + second, "bus_silent") for number in range(30) for second in (0, 1))
+    assert [(one.from_s, one.count) for one in book.episodes()] == [(3600.0 * number, 2) for number in range(30)]
+
+
+def test_hits_with_more_topics_than_are_remembered_are_counted() -> None:
+    book = Book()
+    book.add(hit(float(number), "never", topic=str(number)) for number in range(MOST_PAGES + 9))
+    assert [one.count for one in book.episodes()[-2:]] == [1, 9]
+
+
+def test_an_episode_goes_on_soon_after_its_end() -> None:
+    for begins_s, count in ((104.0, 1), (106.0, 2), (-4.0, 1), (-9.0, 2)):  # a clock may be set back
+        book = Book()
+        book.add([hit(0, "silent", to_s=100.0), hit(begins_s, "silent", to_s=begins_s + 3)])
+        assert len(book.episodes()) == count
+
+
+def test_episodes_are_in_the_order_of_their_beginning() -> None:
+    book = Book()
+    book.add([hit(7), hit(3, "silent"), hit(5, "damaged")])
+    assert [one.from_s for one in book.episodes()] == [3, 5, 7]
 
 
 def test_the_filter_of_a_silence_finds_all_of_it() -> None:

@@ -4,14 +4,47 @@
 from __future__ import annotations
 
 from operator import methodcaller as do
+from typing import Any
 
 import pytest
-from machines import BEGIN_S, FAULT, PLC, SPEED, Machine, Told, access, diagnosis, judged, telegram, undescribed
-from test_kinds import LIMIT, TORQUE, Play, about, event, firmware, pause, reaction, reads, run, then, told, writes
+from machines import (
+    BEGIN_S,
+    FAULT,
+    LAPTOP,
+    PLC,
+    RUNS,
+    SPEED,
+    Machine,
+    Told,
+    access,
+    diagnosis,
+    judged,
+    telegram,
+    undescribed,
+)
+from test_kinds import (
+    LIMIT,
+    RISES,
+    TORQUE,
+    Play,
+    about,
+    event,
+    firmware,
+    limits,
+    pause,
+    reaction,
+    reads,
+    run,
+    then,
+    told,
+    writes,
+)
 
+from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.lines import lines
-from sistap.dissected.packets.dissection import EXCEEDED
+from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
+from sistap.dissected.wireshark.rows import EVENT
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event
 from sistap.tap.sis.faults import FAULTS
@@ -42,8 +75,30 @@ def test_a_pause_in_a_command_is_one_of_the_master() -> None:
 
 @pytest.mark.parametrize("flag", [0, Flag.LOST_BEFORE])
 def test_a_pause_in_which_characters_were_lost_is_none(flag: int) -> None:
-    slow = telegram(5, PLC, is_reaction=True, is_doubtful=True, pause=judged(0.003, 0.002, EXCEEDED))
-    assert len(details(do("put", slow, errors=int(flag)), "interval")) == (flag == 0)
+    times = {"pause": judged(0.003, 0.002, EXCEEDED), "reaction": judged(0.06, 0.05, EXCEEDED)}
+    found = of(do("put", telegram(5, PLC, is_reaction=True, is_doubtful=True, **times), errors=int(flag)))
+    assert (len(found.of("interval")), len(found.of("late"))) == (flag == 0, 1)
+
+
+def test_refusals_are_told_by_code_service_and_access() -> None:
+    known = reads(access(5, LIMIT, 3000.0))
+    codes = [
+        do("refuse", 5, LIMIT, code, is_write=is_write)
+        for code, is_write in (("0x8004", False), ("0x8004", True), ("0x7009", True))
+    ]
+    services = [reaction(service=service, is_refusal=True, status=0xF0) for service in (0x03, 0x0F)]
+    assert details(then(known, *codes, *services), "error") == [
+        f"station 5 {LIMIT}: 0x8004",
+        f"station 5 {LIMIT}: write: 0x8004",
+        f"station 5 {LIMIT}: write: 0x7009",
+        "station 5: Initialization of the SIS communication, status 0xf0",
+        "station 5: Token passing, status 0xf0",
+    ]
+
+
+def test_what_perhaps_was_late_is_counted_beside_what_was() -> None:
+    late = [reaction(is_doubtful=True, reaction=judged(0.06, 0.05, verdict)) for verdict in (EXCEEDED, UNRESOLVED)]
+    assert "1 reaction later than TrS, perhaps 1 more (" in of(then(*late)).lines[4]
 
 
 def test_a_station_that_only_refuses_is_known_when_it_is_damaged() -> None:
@@ -53,7 +108,17 @@ def test_a_station_that_only_refuses_is_known_when_it_is_damaged() -> None:
 
 def test_noise_is_damage_only_while_a_reaction_is_due() -> None:
     assert details(then(run(5), do("noise"), run(5)), "damaged") == []
-    assert len(details(then(run(5), do("ask", 4), do("noise"), run(5)), "damaged")) == 1
+    assert details(then(run(5), reaction(has_system_error=True), do("noise"), run(5)), "damaged") == []
+    (damaged,) = of(then(run(5), do("ask", 4), do("noise"), run(5))).of("damaged")
+    assert damaged.count == 1
+
+
+def test_two_damaged_telegrams_in_a_packet_are_two() -> None:
+    bad = telegram(4, PLC, is_reaction=True, good=False)
+    (damaged,) = of(then(run(5), do("put", bad, bad, faults=[one for one in FAULTS if one.name == "damaged"] * 2))).of(
+        "damaged"
+    )
+    assert damaged.count == 2
 
 
 @pytest.mark.parametrize(("stations", "is_boot"), [((4, 5), False), ((4, 5, 6), True)])
@@ -87,8 +152,11 @@ def test_a_boot_lasts_until_its_stations_are_ready() -> None:
 
 def test_a_bus_with_a_good_telegram_now_and_then_is_unreadable_once() -> None:
     """It is readable again after five in a row."""
-    bad = then(*[then(do("noise", 10, every_s=0.2), reaction())] * 4)
+    bad = then(*[then(do("noise", 10, every_s=0.2), reaction(2))] * 4)
     assert details(then(run(60), bad, reaction(3)), "unreadable") == [": 40 records are no telegrams"]
+    five = then(do("noise", 20, every_s=0.2), reaction(2), do("ask", 3))
+    (twice,) = of(then(run(60), five, five)).of("unreadable")
+    assert (twice.count, twice.detail) == (2, "20 records are no telegrams")
 
 
 # -- Values and their commands ---------------------------------------------------------------------------------------
@@ -244,6 +312,44 @@ def test_what_nobody_describes_is_not_apart_from_a_command_of_another_file() -> 
     assert details(moves, "apart") == []
 
 
+@pytest.mark.parametrize("where", [{"station": 3, "device": 5}, {"station": "3/2/8"}])
+def test_each_device_of_a_station_has_its_own_state(where: dict[str, Any]) -> None:
+    """A control tells what its drives say, in turn; behind a router there are several."""
+    fault = reads(*[diagnosis(3, FAULT), diagnosis(code=RUNS, **where)] * 30, every_s=1)
+    (found,) = of(fault).of("fault")
+    assert found.detail == "F2028 (S-0-0390); still so when last read"
+    assert found.to_s - found.from_s == pytest.approx(60, abs=2.5)
+    one, other = (
+        access(ident="S-0-0135", value=f"0x{word:X}", number=float(word), **more)
+        for word, more in ((0xC000, {"station": 3}), (0x8000, where))
+    )
+    assert details(reads(*[one, other] * 10, every_s=8), "stopped") == []
+
+
+def test_what_one_drive_still_has_is_told_beside_what_is_over_at_another() -> None:
+    machine = Machine()
+    machine.says[3] = FAULT
+    machine.run(10)
+    machine.says[4] = FAULT
+    machine.run(20)
+    machine.says |= {4: RUNS, 5: 0xF2029}
+    machine.run(10)
+    said = machine.told()
+    assert "now fault F2028 (station 3), fault F2029 (station 5); fault F2028 (station 4)." in said.lines[0]
+    assert said.lines[2].count("still so") == 2
+
+
+@pytest.mark.parametrize("last", [3, 4])
+def test_an_emergency_stop_lasts_as_long_as_one_drive_says_so(last: int) -> None:
+    machine = Machine()
+    machine.run(60)
+    machine.says |= {3: 0xF4034, 4: 0xF4034}
+    machine.run(60)
+    machine.says[7 - last] = RUNS
+    machine.run(10)
+    assert [one.detail for one in machine.told().of("estop")] == ["F4034; still so when last read"]
+
+
 # -- Masters and writes ----------------------------------------------------------------------------------------------
 
 
@@ -254,14 +360,150 @@ def test_a_drive_that_rounds_one_value_and_takes_another_as_it_is() -> None:
     assert details(then(written, as_written, rounded), "other") == []
 
 
-def test_what_a_good_capture_writes_and_says_is_known() -> None:
+def test_what_moves_by_itself_is_other_once() -> None:
+    """And again, when it has come back to what it was."""
+    moves = reads(*(access(5, "P-0-0123", value) for value in (12.0, 10.0, 9.0, 8.0, 10.0, 7.0)))
+    said = "station 5 P-0-0123: {} rpm -> {} rpm, nobody on this bus wrote it"
+    found = of(then(writes("P-0-0123", (PLC, 12)), moves))
+    assert [f"{one.who}: {one.detail}" for one in found.of("other")] == [said.format(12, 10.0), said.format(10.0, 7.0)]
+    assert "station 5 P-0-0123 10 -> 7 rpm at 06:03:30, nobody on this bus wrote it" in found.lines[3]
+
+
+@pytest.mark.parametrize(
+    ("between", "count"),
+    [
+        (run(9), 1),
+        (NEXT_FILE, 0),
+        (event(Event.CAPTURE_STARTED), 0),
+        (event(Event.ADAPTER_LOST), 0),
+        (do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True), 1),  # the next file of a ring
+        (do("silent", 5, columns={"sis.parameter": "P-0-0123", "sis.service": "0x1f"}), 0),
+        (do("silent", 5, columns={"sis.parameter": "P-0-0123", "sis.service": "0x10"}), 1),
+        (do("silent", 5, columns={"sis.parameter": "P-0-0145", "sis.service": "0x1f"}), 1),
+        (do("silent", 4, columns={"sis.parameter": "P-0-0123", "sis.service": "0x1f"}), 1),
+    ],
+)
+def test_nobody_wrote_only_what_somebody_would_have_heard(between: Play, count: int) -> None:
+    before, after = (reads(access(5, "P-0-0123", value)) for value in (12.0, 10.0))
+    assert len(details(then(writes("P-0-0123", (PLC, 12)), before, between, after), "other")) == count
+
+
+def test_each_visitor_has_written_each_parameter() -> None:
+    written = ("P-0-0123", 12, 127), ("P-0-0145", 13, 127), ("P-0-0123", 14, 126)
+    visits = (do("write", 5, ident, value, master=master) for ident, value, master in written)
+    assert details(then(run(150), *visits), "write") == [
+        "station 5 P-0-0123: 12 rpm by new master 127; at the end 14 rpm",
+        "station 5 P-0-0145: 13 rpm by new master 127; still set at the end",
+        "station 5 P-0-0123: 12 rpm -> 14 rpm by new master 126; still set at the end",
+    ]
+
+
+@pytest.mark.parametrize(("value", "said"), [(12, "stations 3, 4: 12 rpm"), (9, "station 3: 12 rpm")])
+def test_what_a_visitor_writes_to_several_is_one_if_it_is_the_same_at_the_end(value: float, said: str) -> None:
+    written = [do("write", station, "P-0-0123", 12, master=LAPTOP) for station in (3, 4)]
+    back = then(run(1000), do("write", 4, "P-0-0123", value))
+    found = of(then(run(150), *written, back)).of("write")[0]
+    assert f"{found.who.removesuffix(' P-0-0123')}: {found.detail}" == f"{said} by new master 127; still set at the end"
+
+
+def test_a_limit_that_is_set_again_and_again_is_told_when_it_is_another() -> None:
+    assert details(writes(LIMIT, *[(PLC, 3000)] * 5, (PLC, 500)), "limit_write") == [
+        f"station 5 {LIMIT}: 3000 rpm by master 1; at the end 500 rpm",
+        f"station 5 {LIMIT}: 3000 rpm -> 500 rpm by master 1; still set at the end",
+    ]
+
+
+def test_what_is_written_a_minute_beside_a_recipe_is_none_of_it() -> None:
+    beside = [then(do("write", 5, ident, 7.0), run(60)) for ident in ("P-0-0200", "P-0-0201")]
+    recipe = then(*(do("write", 5, f"P-0-000{one}", 1.0) for one in range(4)), run(60))
+    found = of(then(run(150), beside[0], recipe, beside[1])).of("write")
+    assert [one.hit.parameter for one in found] == ["P-0-0200", "P-0-0201"]
+
+
+def test_more_parameters_than_are_remembered(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sistap.dissected.episodes.writes.MOST", 1)
+    said = details(then(run(150), *(do("write", 5, f"P-0-000{one}", 1.0, master=LAPTOP) for one in range(3))), "write")
+    assert [one.partition(";")[0] for one in said] == [
+        f"station 5 P-0-000{one}: 1.0 rpm by new master 127" for one in range(3)
+    ]
+
+
+def test_of_two_buses_each_knows_what_is_set_at_its_end() -> None:
+    engine = Engine()
+    first, second = (Machine(interface=name) for name in "ab")
+    first.engine = second.engine = engine
+    for machine in (first, second):
+        machine.run(150)
+    first.write(5, "P-0-0123", 12, master=LAPTOP)
+    assert [one.outcome for one in engine.finish() if one.kind == "write"] == ["still set at the end"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "good", "now"),
+    [
+        ("phase", reaction(service=0x12, phase="4"), reaction(service=0x12, phase="2")),
+        ("rate", reaction(), do("put", baud=19200)),
+        ("limits", limits(0.05), limits(0.04)),
+        ("exchanged", firmware("FWA-1"), firmware("FWA-2")),
+        ("step", told("P-0-0123", about(50, 60)), told("P-0-0123", about(70, 60))),
+    ],
+)
+def test_what_is_other_than_in_a_good_capture(kind: str, good: Play, now: Play) -> None:
+    before = Machine()
+    good(before)
+    before.finish()
+    for engine, count in ((None, 0), (before.engine, 1)):
+        machine = Machine(before=engine)
+        now(machine)
+        assert len(machine.told().of(kind)) == count
+
+
+def test_what_drifts_in_a_good_capture_too_is_usual() -> None:
     good = Machine()
-    then(reads(access(5, LIMIT, 3000.0)), writes("P-0-0123", (PLC, 12)))(good)
+    told(TORQUE, RISES, every_s=30, unit="%")(good)
     good.finish()
     machine = Machine(before=good.engine)
+    told(TORQUE, RISES, every_s=30, unit="%")(machine)
+    assert machine.told().of("drift") == []
+
+
+def test_each_bus_is_compared_with_the_good_one_of_its_name() -> None:
+    def asks(master: int, name: str, engine: Engine) -> None:
+        machine = Machine(interface=name)
+        machine.engine = engine
+        visit = do("exchange", station=3, master=master)
+        then(run(130), visit, told("P-0-0123", about(50 + master / 5, 60)))(machine)
+
+    good = Engine()
+    asks(LAPTOP, "a", good)
+    asks(PLC, "b", good)
+    now = Engine(good)
+    asks(LAPTOP, "a", now)
+    asks(LAPTOP, "b", now)
+    other = Machine(interface="c", baud=19200)
+    other.engine = now
+    other.run(10)
+    assert sorted((one.kind, one.hit.port) for one in now.finish()) == [("master", "b"), ("step", "b")]
+
+
+def test_what_nobody_describes_is_counted_of_all_buses() -> None:
+    engine = Engine()
+    for name in "ab":
+        machine = Machine(3, interface=name, is_described=False)
+        machine.engine = engine
+        machine.run(60)
+    assert engine.undescribed == 2  # the speeds
+
+
+def test_what_a_good_capture_writes_and_says_is_known() -> None:
+    """The tap was at another port."""
+    good = Machine(interface="COM3")
+    then(reads(access(5, LIMIT, 3000.0)), writes("P-0-0123", (PLC, 12)))(good)
+    good.finish()
+    machine = Machine(before=good.engine, interface="COM4")
     writes("P-0-0123", (PLC, 12))(machine)
     assert machine.told().of("write") == []
-    machine = Machine(before=good.engine)
+    machine = Machine(before=good.engine, interface="COM4")
     do("write", 5, LIMIT, 500.0)(machine)
     (said,) = machine.told().of("limit_write")
     assert said.detail == "3000.0 rpm -> 500.0 rpm by master 1; still set at the end"
@@ -308,6 +550,7 @@ def test_a_second_answer_is_told_also_after_damage() -> None:
     again = do("answer", 4, signs=("again",))
     assert len(details(then(run(5), do("damage", 3), do("exchange", station=4), again), "again")) == 1
     assert details(then(run(5), do("exchange", station=4), do("damage", 4), again), "again") == []
+    assert len(details(then(run(5), do("damage", 4), do("answer", 4, signs=("warning_bit",))), "warning_bit")) == 1
 
 
 def test_after_a_silence_of_the_bus_no_master_is_gone() -> None:

@@ -30,6 +30,7 @@ from machines import (
 )
 
 from sistap.dissected.accesses.access import Access
+from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.masters import Masters
 from sistap.dissected.episodes.rules import RULES, Severity
 from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
@@ -115,7 +116,7 @@ def reads(*accesses: Access, every_s: float = 0.0) -> Play:
     return then(*(then(do("exchange", one), pause(every_s)) for one in accesses))
 
 
-def writes(ident: str, *by: tuple[int, float], every_s: float = 60.0) -> Play:
+def writes(ident: str, *by: tuple[int | None, float], every_s: float = 60.0) -> Play:
     """Let masters write a parameter of station 5, one after the other."""
     return then(run(150), *(then(do("write", 5, ident, value, master=who), run(every_s)) for who, value in by))
 
@@ -490,6 +491,32 @@ def of(play: Play, kind: str) -> list[Severity]:
 def test_what_is_an_episode_and_what_nearly_is(case: Case) -> None:
     assert max(of(case.happens, case.kind), default=None) == case.severity
     assert max(of(case.nearly, case.kind), default=0) < case.severity
+
+
+FIRST = {case.kind: case for case in reversed(CASES)}
+WHOLE = {"foreign", "vanished", "stopped", "slower", "drift"}  # no packet begins them
+
+
+@pytest.mark.parametrize("kind", RULES)
+def test_two_buses_with_the_same_trouble_have_it_each(kind: str) -> None:
+    """They have stations of the same numbers, and it happens at the same time."""
+    engine = Engine()
+    for name in "ab":
+        machine = Machine(interface=name)
+        machine.engine = engine
+        FIRST[kind].happens(machine)
+    count = len(of(FIRST[kind].happens, kind))
+    assert sorted(one.hit.port for one in engine.finish() if one.kind == kind) == [*count * "a", *count * "b"]
+
+
+@pytest.mark.parametrize("kind", RULES)
+def test_an_episode_leads_to_packets_within_it(kind: str) -> None:
+    machine = Machine()
+    FIRST[kind].happens(machine)
+    for one in machine.finish():
+        times_s = [machine.times_s[number] for number in one.packets]
+        assert all(one.from_s - 0.001 <= time_s <= one.to_s + 0.001 for time_s in times_s), one
+        assert bool(times_s) != (one.kind in WHOLE)
 
 
 def test_a_write_is_refused_where_a_good_capture_refused_a_read() -> None:

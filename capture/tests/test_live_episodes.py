@@ -9,6 +9,7 @@ from pathlib import Path
 
 import planted
 import pytest
+from machines import BEGIN_S, judged
 from machines import access as measured
 
 from sistap.commands.recorder import recorder as recorder_module
@@ -20,7 +21,7 @@ from sistap.dissected.captures import reading
 from sistap.dissected.episodes.episode import Hit, severity_of
 from sistap.dissected.episodes.live import FIELD, LIVE, LiveEpisodes
 from sistap.dissected.episodes.rules import Severity
-from sistap.dissected.packets.dissection import Packet, Telegram
+from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED, Packet, Telegram
 from sistap.dissected.wireshark.rows import EVENT, FRAME, OTHER
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.files.pcapng import Interface
@@ -37,13 +38,17 @@ class Bus:
     def __init__(self) -> None:
         self.live = LiveEpisodes()
         self.told: list[Hit] = []
-        self.now_s = self.heard_s = 0.0
+        self.now_s = BEGIN_S
+        self.heard_s: dict[str, float] = {}
+        self.port = ""
 
-    def packet(self, *telegrams: Telegram, accesses: Sequence[Access] = (), kind: int = FRAME) -> None:
-        said = ("", kind, None, 9600, "8E1", None, None, "", 0, 0, ())
+    def packet(
+        self, *telegrams: Telegram, accesses: Sequence[Access] = (), kind: int = FRAME, text: str = "", **more: int
+    ) -> None:
+        said = (self.port, kind, None, 9600, "8E1", None, more.get("event"), text, 0, 0, ())
         packet = Packet(*said, number=1, epoch_s=self.now_s, time_s=self.now_s, uncertainty_s=None, intervals_s=[])
         packet.telegrams, packet.accesses = [*telegrams], [*accesses]
-        packet.since_s, self.heard_s = self.now_s - self.heard_s, self.now_s
+        packet.since_s, self.heard_s[self.port] = self.now_s - self.heard_s.get(self.port, BEGIN_S), self.now_s
         self.told += self.live.add(packet)
 
     def ask(self, station: int = 3, *, master: int = 16, after_unanswered: bool = False) -> None:
@@ -174,6 +179,14 @@ def test_a_write_of_a_new_master_is_told_each_time(bus: Bus) -> None:
     assert bus.kinds == ["limit_write", "master", "write", "write"]
 
 
+def test_what_a_usual_master_writes_is_told_when_it_is_new_or_a_limit_changes(bus: Bus) -> None:
+    for ident, value in (("S-0-0091", "1"), ("S-0-0091", "1"), ("S-0-0036", "1"), ("S-0-0036", "2"), ("S-0-0091", "2")):
+        bus.exchange(access(ident, value, master=16))
+    assert [(hit.kind, hit.parameter) for hit in bus.told] == [
+        *(("limit_write", "S-0-0091"), ("write", "S-0-0036"), ("limit_write", "S-0-0091"))
+    ]
+
+
 def test_what_was_never_written_is_told_once_after_a_while() -> None:
     """But a limit that had another value is told at once."""
     bus = Bus()
@@ -262,6 +275,84 @@ def test_what_nobody_looked_at_is_neither_silence_nor_jump(bus: Bus) -> None:
     bus.ask(after_unanswered=True)
     bus.answer()
     assert bus.told == []
+    bus.ask()
+    for _ in range(3):
+        bus.now_s += 1
+        bus.ask(after_unanswered=True)
+    assert bus.kinds[-1] == "silent"  # it is one from here on
+
+
+@pytest.fixture
+def two(bus: Bus) -> Bus:
+    """Two buses of which everything usual is known; the same stations and masters are at both."""
+    began_s, bus.port = bus.now_s, "b"
+    for _ in range(int(LEARNED_S / 10)):
+        bus.now_s += 10
+        for bus.port in ("", "b"):
+            bus.exchange()
+    assert bus.now_s > began_s and bus.told == []
+    return bus
+
+
+def test_of_two_buses_each_knows_who_was_asked(two: Bus) -> None:
+    two.port = ""
+    two.ask()
+    two.port = "b"
+    two.packet(kind=OTHER)
+    two.exchange()
+    two.port = ""
+    two.now_s += 1
+    two.ask(after_unanswered=True)
+    assert [(hit.kind, hit.port) for hit in two.told] == [("unanswered", "")]
+
+
+def test_what_nobody_looked_at_is_no_silence_of_any_bus(two: Bus) -> None:
+    two.live.skip()
+    two.now_s += 1000
+    for two.port in ("", "b"):
+        two.exchange()
+    assert two.told == []
+
+
+def test_new_masters_are_told_each_and_at_each_bus(two: Bus) -> None:
+    for two.port in ("", "b"):
+        for master in (17, 18, 17):
+            two.exchange(master=master)
+        two.ask(4, master=17)
+    assert [(hit.topic, hit.station, hit.port) for hit in two.told] == [
+        (master, station, port) for port in ("", "b") for master, station in (("17", 3), ("18", 3), ("17", 4))
+    ]
+
+
+def test_each_bus_that_is_silent_is_told(two: Bus) -> None:
+    assert [(hit.kind, hit.port) for hit in two.live.silent(two.now_s + 200)] == [
+        ("bus_silent", ""),
+        ("bus_silent", "b"),
+    ]
+
+
+def test_what_a_station_does_not_know_is_not_kept(bus: Bus) -> None:
+    """A panel may ask for it the whole night."""
+    refusal = telegram(16, 3, {}, is_reaction=True)
+    refusal.is_refusal = True
+    bus.ask()
+    bus.packet(refusal, accesses=[access("S-0-0001", "")._replace(error="0x1001")])
+    assert bus.told == []
+
+
+@pytest.mark.parametrize(("verdict", "told"), [(EXCEEDED, ["late"]), (UNRESOLVED, [])])
+def test_what_is_perhaps_late_is_not_kept(bus: Bus, verdict: int, told: Sequence[str]) -> None:
+    late = telegram(16, 3, {}, is_reaction=True)
+    late.is_doubtful, late.reaction = True, judged(0.06, 0.05, verdict)
+    bus.ask()
+    bus.packet(late)
+    assert bus.kinds == told
+
+
+def test_a_step_of_the_clock_is_told(bus: Bus) -> None:
+    """It is a note, but no verdict that is not certain."""
+    bus.packet(kind=EVENT, event=Event.MARKER, text="system time jumped by -2.5 s")
+    assert bus.kinds == ["clock"]
 
 
 Keep = Callable[[Path], list[Path]]

@@ -228,9 +228,9 @@ def test_never_ok_beside_a_station_that_never_answered() -> None:
 
 
 @pytest.fixture
-def _in_berlin(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Write all times as in Berlin."""
-    yield from zone(monkeypatch, "Europe/Berlin")
+def _in_zone(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> Iterator[None]:
+    """Write all times as in Berlin, or in another zone."""
+    yield from zone(monkeypatch, getattr(request, "param", "Europe/Berlin"))
 
 
 def utc(text: str) -> float:
@@ -238,7 +238,7 @@ def utc(text: str) -> float:
 
 
 @posix("it knows no zones by name")
-@pytest.mark.usefixtures("_in_berlin")
+@pytest.mark.usefixtures("_in_zone")
 def test_the_end_of_summer_time_does_not_look_backwards() -> None:
     machine = Machine()
     machine.now_s = machine.begin_s = utc("2026-10-25T00:55:00")
@@ -261,11 +261,27 @@ def test_the_end_of_summer_time_does_not_look_backwards() -> None:
         ("2026-11-24T22:30:00", "2026-11-24T23:30:00", "2026-11-24 23:30:00 to 2026-11-25 00:30:00"),
     ],
 )
-@pytest.mark.usefixtures("_in_berlin")
+@pytest.mark.usefixtures("_in_zone")
 def test_the_zone_is_said_where_it_changes(begin: str, end: str, said: str) -> None:
     begin_s, end_s = utc(begin), utc(end)
     clock = clock_of(begin_s, end_s)
     assert f"{clock(begin_s)} to {clock(end_s)}" == said
+
+
+@posix("it knows no zones by name")
+@pytest.mark.parametrize(
+    ("_in_zone", "begin", "said"),
+    [
+        ("Europe/London", "2026-10-25T00:30:00", "01:30:00 UTC+1 to 01:30:00 UTC+0"),
+        ("America/St_Johns", "2026-11-01T04:00:00", "01:30:00 UTC-2:30 to 01:30:00 UTC-3:30"),
+    ],
+    indirect=["_in_zone"],
+)
+@pytest.mark.usefixtures("_in_zone")
+def test_each_zone_is_said_as_it_differs(begin: str, said: str) -> None:
+    begin_s = utc(begin)
+    clock = clock_of(begin_s, begin_s + 3600)
+    assert f"{clock(begin_s)} to {clock(begin_s + 3600)}" == said
 
 
 def test_a_gap_over_midnight_has_dates() -> None:

@@ -23,12 +23,14 @@ from machines import (
     WARNING,
     Machine,
     access,
+    diagnosis,
     judged,
     packet,
     telegram,
     undescribed,
 )
 from test_kinds import (
+    BIT,
     IN_LIMITS,
     LIMIT,
     PART,
@@ -68,6 +70,7 @@ from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
 from sistap.dissected.wireshark.rows import OTHER
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event
+from sistap.tap.sis.faults import FAULTS
 
 
 class Case(NamedTuple):
@@ -139,6 +142,12 @@ def command(rpm: float) -> Play:
 
 
 NEXT_FILE = event(Event.CAPTURE_STARTED, f"tap{KEPT}late")
+NOUGHT = do("exchange", access(0, SPEED, 1.0))
+SILENT = "1.0 s, 3 commands without a reaction"
+UNREFERENCED = "its position is no longer referenced (S-0-0403)"
+cut = telegram(None, None, good=False)
+mangled = do("put", telegram(3, PLC, is_reaction=True, good=False), after_s=0.2)
+stretched = telegram(5, PLC, is_reaction=True, faults=[fault for fault in FAULTS if fault.name == "damaged"])
 SLOW = [reaction(20, reaction=judged(time_s, 0.05, 0)) for time_s in [0.010] * 45 + [0.030] * 45]
 
 
@@ -164,7 +173,9 @@ CASES = (
         then(run(30), do("silent", 3), do("ask", 3, is_repeat=True), do("answer", 3)),
         *("station 3", "a command without a reaction"),
     ),
+    Case("silent", then(run(30), NOUGHT, do("silent", 0, 3), NOUGHT), "station 0", SILENT),
     # masters
+    Case("master", asked(0, before_s=130), "", "master 0 asked station 3: 1 command, 0 values read, 0 written"),
     Case("master", asked(LAPTOP, before_s=130), "", "master 127 asked station 3: 1 command, 0 values read, 0 written"),
     Case(
         "master",
@@ -199,13 +210,33 @@ CASES = (
         *("lost", then(run(5), do("ask", 4), do("answer", 4), do("put", errors=int(Flag.LOST_BEFORE)))),
         *("", "in a telegram that is not damaged"),
     ),
-    Case("lost", then(run(5), event(Event.CHARACTERS_LOST, "overrun")), "", "overrun"),
+    Case(
+        *("line_error", then(run(5), do("ask", 4), do("put", type=OTHER, errors=int(Flag.BREAK)))),
+        *("station 4", "in a telegram that is damaged"),
+    ),
+    Case(
+        "damaged",
+        then(NOUGHT, do("ask", 0), do("put", type=OTHER)),
+        *("station 0", "its rest is not a telegram"),
+    ),
+    Case("damaged", then(run(5), do("ask", 9), do("put", type=OTHER)), "", "its rest is not a telegram"),  # who is 9?
+    Case("damaged", do("put", telegram(None, None, good=False)), "", "its checksum is wrong"),
+    Case("damaged", do("put", stretched, faults=stretched.faults), "station 5", ""),
+    Case("lost", then(run(5), do("ask", 4), event(Event.CHARACTERS_LOST, "overrun")), "", "overrun"),
+    Case(
+        *(
+            "line_error",
+            then(run(5), do("ask", 4), do("put", telegram(4, PLC, is_reaction=True), errors=int(Flag.BREAK))),
+        ),
+        *("station 4", "in a telegram that is not damaged"),
+    ),
     Case("error", refuse(0x03), "station 5", "Initialization of the SIS communication, status 0xf0"),
     Case("error", refuse(0x01), "station 5", "Cancel data transmission, status 0xf0"),
     Case("error", refuse(0x0F), "station 5", "Token passing, status 0xf0"),
     Case("never", refuse(0x00), "station 5", "Node identification, status 0xf0"),
     Case("never", refuse(0x11, 0x01), "station 5", "Read list segment, status 0x01"),
     Case("error", refuse(0x12, 0x02), "station 5", "Read phase, status 0x02"),
+    Case("never", reaction(is_refusal=True, status=None), "station 5", "Read parameter, status 0x00"),
     Case("error", do("refuse", 5, LIMIT, "0x7009", is_write=True), f"station 5 {LIMIT}", "write: 0x7009"),
     Case("never", do("refuse", 5, LIMIT, "0x1001"), f"station 5 {LIMIT}", "0x1001"),
     Case(
@@ -233,7 +264,22 @@ CASES = (
         *("", "-2.5 s; the times of the capture go on without the jump"),
     ),
     Case("unreadable", then(run(30), do("noise", 21, every_s=0.2), reaction(3)), "", "21 records are no telegrams"),
-    Case("foreign", do("noise", 7), "", "none of 7 records is a telegram: another protocol, rate or format?"),
+    Case("unreadable", then(do("noise", 21, every_s=0.2), reaction(3)), "", "21 records are no telegrams", 0.2, 4.2),
+    Case(
+        *("unreadable", then(*[then(do("noise"), reaction(3))] * 10, do("noise", 21, every_s=0.2), reaction(3))),
+        *("", "21 records are no telegrams"),
+    ),
+    Case("unreadable", then(run(30), *[mangled] * 25, reaction(3)), "", "25 records are no telegrams"),
+    Case("unreadable", then(*[then(do("noise", 3), reaction())] * 10), "", "30 records are no telegrams"),
+    Case("foreign", do("noise", 7), "", "none of 7 records is a telegram: another protocol, rate or format?", 0.1, 0.7),
+    Case(
+        "foreign",
+        then(*[do("put", *[cut] * 2)] * 5),
+        "",
+        "none of 5 records is a telegram: another protocol, rate or format?",
+    ),
+    Case("stopped", then(do("stop", 60), run(60)), "", "", 0.02, 60.03),
+    Case("stopped", then(run(60), do("stop", 60)), "", "still so when last read", 60.15),
     # drives
     Case(
         "fault",
@@ -259,6 +305,21 @@ CASES = (
         "E2051 (S-0-0390)",
         *(0.03, 8.09),
     ),
+    Case("fault", reads(diagnosis(0, FAULT)), "station 0", "F2028 (S-0-0390); still so when last read"),
+    Case(
+        *("fault", reads(*(access(5, "S-0-0095", f'"{text}"') for text in ("A101 Halt", "F228 Excessive deviation")))),
+        *("station 5", "F228 (S-0-0095, before A101); still so when last read"),
+    ),
+    Case(
+        *("fault", reads(access(5, "S-0-0135", "0x2000", number=8192.0))),
+        *("station 5", "shut down by an error: drive status bit 13 (S-0-0135); still so when last read"),
+    ),
+    Case(
+        *("warning", reads(access(5, "S-0-0012", "0b0100"))),
+        *("station 5", "class 2 diagnostic 0b0100 (S-0-0012); still so when last read"),
+    ),
+    Case("homing", reads(*BIT), "station 5", f"{UNREFERENCED}; still so when last read", 0.06, 0.06),
+    Case("homing", reads(*BIT, *BIT[:1]), "station 5", UNREFERENCED, 0.06, 0.09),
     Case("stuck", do("boot", stuck=4), "station 4", "stays in phase 2, others are in phase 4"),
     Case("boot", do("boot"), "", "stations 3, 4, 5, ready 5 s later"),
     Case(
@@ -273,6 +334,8 @@ CASES = (
     ),
     # values
     Case("beyond", told(SPEED, [3001], **IN_LIMITS), f"station 3 {SPEED}", "3001 rpm, its maximum is 3000 rpm"),
+    Case("beyond", told("P-0-0100", [-2], minimum="0 rpm"), "station 3 P-0-0100", "-2 rpm, its minimum is 0 rpm"),
+    Case("beyond", told("P-0-0100", [12], maximum="9 rpm"), "station 3 P-0-0100", "12 rpm, its maximum is 9 rpm"),
     Case("beyond", told(SPEED, [-3002], **IN_LIMITS), f"station 3 {SPEED}", "-3002 rpm, its minimum is -3000 rpm"),
     Case("apart", behind(500, 30), f"station 3 {SPEED}", "50 % below S-0-0036", 60.06, 89.06),
     Case("apart", behind(1250, 30), f"station 3 {SPEED}", "25 % above S-0-0036"),
@@ -424,9 +487,59 @@ CASES = (
         *("station 5 S-0-0134", "0b1110000000000000 by new master 127; still set at the end"),  # a control word
     ),
     Case(
+        *("write", writes("P-0-0123", (0, 12))),
+        *("station 5 P-0-0123", "12 rpm by new master 0; still set at the end"),
+    ),
+    Case("write", writes("P-0-0123", (None, 12)), "station 5 P-0-0123", "12 rpm by ASCII; still set at the end"),
+    Case(  # a list of services
+        "write",
+        then(
+            run(150),
+            do("exchange", access(5, "S-0-4095", "", error="0x1001"), access(5, "P-0-0123", 12, is_write=True)),
+        ),
+        *("station 5 P-0-0123", "12 rpm by master 1; still set at the end"),
+    ),
+    Case(  # the same, whose attribute nobody had read until then
+        "write",
+        then(
+            run(150),
+            reads(undescribed(5, "P-0-0123", (120_000).to_bytes(4, "little"))),
+            do("write", 5, "P-0-0123", 12, master=LAPTOP),
+        ),
+        *("station 5 P-0-0123", "12 rpm -> 12 rpm by new master 127; still set at the end"),
+    ),
+    Case(  # a segment of a list
+        *("write", then(run(150), do("write", 5, "P-0-0123", "", text=None, master=LAPTOP))),
+        *("station 5 P-0-0123", "another value by new master 127"),
+    ),
+    Case(  # beside what is written often
+        "write",
+        then(writes("P-0-0001", *[(PLC, one) for one in range(9)], every_s=2), do("write", 5, "P-0-0123", 12)),
+        *("station 5 P-0-0123", "12 rpm by master 1; still set at the end"),
+    ),
+    Case(
         "conflict",
-        writes("P-0-0123", (PLC, 12), (PANEL, 15), (PLC, 12), (PANEL, 16)),
-        *("station 5 P-0-0123", "master 1 12 rpm, master 2 16 rpm; at the end 16 rpm"),
+        writes("P-0-0123", (PLC, 12), (PANEL, 15), (PLC, 13), (PANEL, 16)),
+        *("station 5 P-0-0123", "master 1 13 rpm, master 2 16 rpm; at the end 16 rpm"),
+    ),
+    Case(  # what is shown is cut off
+        *(
+            "conflict",
+            then(*(do("write", 5, "P-0-0123", "1, ...", master=who, text=f"1, {who}") for who in (PLC, PANEL) * 2)),
+        ),
+        *("station 5 P-0-0123", "master 1 1, ..., master 2 1, ...; at the end 1, ..."),
+    ),
+    Case(
+        "recipe",
+        then(
+            run(150), *(do("write", at, f"P-0-000{one}", 1.0) for at, one in ((4, 1), (4, 2), (5, 1), (5, 2), (5, 1)))
+        ),
+        *("", "master 1 wrote 4 parameters of stations 4, 5", 150.03, 150.15),
+    ),
+    Case(
+        "recipe",
+        then(run(150), *(then(do("write", 5, f"P-0-000{one}", 1.0), pause(9)) for one in range(4))),
+        *("", "master 1 wrote 4 parameters of station 5"),
     ),
     Case(
         "limit_write",
@@ -472,11 +585,20 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("write", writes("P-0-0123", *[(PLC, 12)] * 10, (PLC, 13), every_s=2)),  # it is written again and again
     ("write", then(run(150), do("write", 5, "S-0-0134", "0b1110000000000000"), run(60))),  # by the usual master
     ("conflict", writes("P-0-0123", (PLC, 12), (PLC, 15), (PLC, 12), (PLC, 16))),  # one master
+    ("conflict", writes("S-0-0134", *[(PLC, 1), (PANEL, 2)] * 3)),  # each value is obeyed, and over
+    ("write", writes("S-0-0099", (PLC, 1))),
+    ("recipe", then(run(150), *(then(do("write", 5, f"P-0-000{one}", 1.0), pause(10)) for one in range(4)))),
+    ("recipe", then(run(150), *(do("write", 5, f"P-0-000{one}", 1.0, master=1 + one // 2) for one in range(4)))),
+    ("fault", reads(undescribed(5, "S-0-0135", bytes(3)))),  # no word
+    ("homing", reads(BIT[0], undescribed(5, "S-0-0403", bytes(3)))),
+    ("interval", reaction(is_doubtful=True, reaction=judged(0.06, 0.05, EXCEEDED), pause=judged(0.001, 0.002, 0))),
+    ("unreadable", then(*[do("put", after_s=0.2)] * 40)),  # frames of another protocol
     ("drift", told("S-0-0051", RISES, every_s=30, unit="mm")),  # a position
     ("master", turn(9, 200)),  # a control that takes turns
     ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
     ("step", then(command(1000), turns(1000, 90), NEXT_FILE, turns(1200, 90))),
     ("error", refuse(0x10)),  # what is asked for is not known
+    ("error", then(*[do("refuse", 5, LIMIT, "0x1001")] * 3)),
     ("changed", reads(*[access(5, "P-0-0222", one) for one in [1000] * 20 + [1010] * 5 + [1000] * 5], every_s=10)),
     *(("changed", reads(*[access(5, ident, one) for one in "AAAB"])) for ident in ("S-0-0390", "S-0-0095", "S-0-0135")),
     (
@@ -554,10 +676,10 @@ def test_four_warnings_are_told_one_by_one_and_four_faults_as_one() -> None:
 
 
 def test_what_a_good_capture_refused_too_is_no_fault() -> None:
-    good = Machine()
+    good = Machine(interface="COM3")
     refused(is_known=True)(good)
     assert good.told().kinds == ["error"]
-    machine = Machine(before=good.engine)
+    machine = Machine(before=good.engine, interface="COM4")
     refused(is_known=True)(machine)
     assert machine.told().kinds == ["never"]
 
@@ -1112,11 +1234,17 @@ def test_an_episode_keeps_ten_packets_and_its_worst() -> None:
     few = Episode.of(Hit("late", 1, 10.0, 10.0, 3))
     few.join(Episode.of(Hit("late", 3, 10.0, 10.0, 3, severity=NOTE)))
     assert (few.filter, few.station, few.severity) == ("frame.number in {1, 3}", 3, Severity.ERROR)
+    before = Episode.of(Hit("late", 1000, 10.0, 10.0, 3, worst=0.3, severity=NOTE))
+    before.join(Episode.of(Hit("late", 7, 10.0, 10.0, 3, worst=0.2)))
+    assert (before.packets, before.hit.packet, before.severity) == ([7, 1000], 7, Severity.ERROR)
 
 
 def test_an_episode_of_a_whole_capture_is_found_by_its_values() -> None:
     drift = Episode.of(Hit("drift", 0, 10.0, 20.0, 3, TORQUE))
     assert drift.filter == f'sis.parameter == "{TORQUE}" && (sis.talker == 3) && sis.value'
+    drift.join(Episode.of(Hit("drift", 0, 10.0, 20.0, 8, TORQUE)))
+    assert drift.filter == f'sis.parameter == "{TORQUE}" && (sis.talker == 3 || sis.talker == 8) && sis.value'
+    assert drift.who == f"stations 3, 8 {TORQUE}"
     assert Episode.of(Hit("slower", 0, 10.0, 20.0, 3)).filter.startswith("frame.time_epoch >= 9.999998 && ")
 
 
@@ -1125,3 +1253,14 @@ def test_an_episode_for_programs() -> None:
     assert (said["from"], said["to"]) == ("1970-01-01T00:00:00.000Z", None)  # no calendar has it
     assert (said["severity"], said["station"], said["stations"], said["packets"]) == ("error", 4, [4], [7])
     assert (said["parameter"], said["text"]) == (None, "Station silent, station 4: 6 s")
+    assert said["do"] == "Check supply, address, baud rate and cable of this station."
+    two = Episode.of(Hit("step", 9, 1.5, 2.25, 8, TORQUE, "70 %, usually 50", 20.0, LOOK))
+    two.join(Episode.of(two.hit._replace(station=3, packet=8)))
+    two.cause, two.outcome = "soon after the write of S-0-0080", "still so when last read"
+    said = two.as_json()
+    assert (said["kind"], said["severity"], said["station"], said["stations"]) == ("step", "warning", None, [3, 8])
+    assert (said["from"], said["to"]) == ("1970-01-01T00:00:01.500Z", "1970-01-01T00:00:02.250Z")
+    assert (said["count"], said["worst"], said["packets"], said["parameter"]) == (2, 20.0, [8, 9], TORQUE)
+    about = "70 %, usually 50; soon after the write of S-0-0080; still so when last read"
+    assert said["text"] == f"Step, stations 3, 8 {TORQUE}: {about} (2 times)"
+    assert Episode.of(Hit("bus_silent", 7, 0.0, 1.0)).text == "Bus silent"

@@ -32,13 +32,13 @@ class _Boot:
     stations: dict[int, set[int]] = field(default_factory=dict)  # the steps of each
     ready_s: float = 0.0
     phases: dict[int, str] = field(default_factory=dict)  # of the stations that were switched, the last one
-    known: frozenset[int] = frozenset()  # stations that had answered before
+    known: frozenset[int | None] = frozenset()  # stations that had answered before
 
 
 class Boots:
     """Those of a bus."""
 
-    def __init__(self, known: Collection[int]) -> None:
+    def __init__(self, known: Collection[int | None]) -> None:
         """Begin with none; `known` are the stations that have answered until now."""
         self._boot: _Boot | None = None
         self._known = known

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from sistap.dissected.accesses.access import Access
+from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.episodes.episode import Hit
 from sistap.dissected.episodes.masters import station_of
 from sistap.dissected.episodes.readings import ValueReading, class_of, code_of
@@ -33,14 +33,13 @@ class Diagnoses:
 
     def __init__(self) -> None:
         """Begin with none."""
-        self._drives: dict[tuple[int, int], _Drive] = {}  # by station and device
+        self._drives: dict[Parameter, _Drive] = {}  # without its parameter: a station may have several
         self._begun: list[Hit] = []
 
     def add(self, packet: Packet, access: Access, said: ValueReading) -> Iterable[Hit]:
         """Take a reading of one of LOOKED_AT; return what ends with it."""
         ident = access.parameter.ident
-        station = station_of(access.parameter)
-        drive = self._drives.setdefault((station, access.parameter.device), _Drive())
+        drive = self._drives.setdefault(access.parameter._replace(ident=""), _Drive())
         kind, what = LOOKED_AT[ident](drive, ident, said)
         told = drive.told.pop(ident, None)
         lasting = told and told._replace(to_s=packet.epoch_s)
@@ -50,7 +49,7 @@ class Diagnoses:
         if kind:
             before = drive.was.get(ident, "")
             detail = f"{what} ({ident}, before {before})" if before else f"{what} ({ident})"
-            place = packet.number, packet.epoch_s, packet.epoch_s, station
+            place = packet.number, packet.epoch_s, packet.epoch_s, station_of(access.parameter)
             drive.told[ident] = Hit(kind, *place, "", detail, port=packet.interface, topic=what)
             self._begun.append(drive.told[ident])
         drive.was[ident] = code_of(ident, said.text)

@@ -16,7 +16,7 @@ from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.faults import Faults, Refusals, UnreadableLine
 from sistap.dissected.episodes.folding import fold
 from sistap.dissected.episodes.machine import Machine
-from sistap.dissected.episodes.masters import Masters, station_of
+from sistap.dissected.episodes.masters import Masters
 from sistap.dissected.episodes.paces import Paces
 from sistap.dissected.episodes.readings import reading
 from sistap.dissected.episodes.rules import THRESHOLDS, Thresholds
@@ -26,7 +26,6 @@ from sistap.dissected.episodes.states import Devices, LimitChanges, PhaseChanges
 from sistap.dissected.episodes.values import Values, unlike
 from sistap.dissected.episodes.writes import Writes
 from sistap.dissected.packets.dissection import Packet, Telegram
-from sistap.dissected.wireshark.rows import FRAME
 
 _REMEMBERED = 4096
 _DUPLEX = {1, 2}  # lines: the two directions of one bus, each at an interface of its own
@@ -41,10 +40,11 @@ class _Looker(Protocol):
         """Return what it tells by now."""
 
 
-class _Bus:
+class Bus:
     """What looks at one bus; `before` looked at it in a good capture."""
 
-    def __init__(self, name: str, thresholds: Thresholds, since_s: float, before: _Bus | None = None) -> None:
+    def __init__(self, name: str, thresholds: Thresholds, since_s: float, before: Bus | None = None) -> None:
+        """Begin with no packet."""
         self.name = name  # of its first interface
         self.begin_s = self.end_s = 0.0
         self.masters: Masters = Masters(thresholds, before.masters if before else None)
@@ -72,13 +72,14 @@ class _Bus:
         )
         of_command = self.faults.command, self.silence.command, self.masters.add, self.rate.add
         of_reaction = self.faults.reaction, self.silence.reaction, self.paces.add, self.limits.add
-        self._all: Sequence[_Look] = [looker.add for looker in lookers]
+        self._all: Sequence[_Look] = [*(looker.add for looker in lookers), self.writes.unheard]
         self._of_command: Sequence[_Look] = (tap.add, self.bus.add, *of_command)
         self._of_reaction: Sequence[_Look] = (tap.add, self.bus.add, *of_reaction)
         self._looks: dict[object, Sequence[_Look]] = {}  # by what packets have in common
         self.lasting: list[Hit] = []  # of states and levels that begin to last; asked for only while it happens
 
     def add(self, packet: Packet, *, is_live: bool = False) -> list[Hit]:
+        """Look at a packet; return what it tells by now."""
         self.begin_s = self.begin_s or packet.epoch_s
         self.end_s = packet.epoch_s
         looks = self._looks.get(packet.alike)
@@ -112,9 +113,9 @@ class _Bus:
             if said is None:
                 continue
             ident = access.parameter.ident
-            if ident in machine.LOOKED_AT and (not access.is_write or ident in machine.WRITTEN):
-                self.machine.add(packet.epoch_s, station_of(access.parameter), ident, said)
-            if ident in diagnoses.LOOKED_AT and not access.is_write:
+            if ident in machine.LOOKED_AT:
+                self.machine.add(packet.epoch_s, access.parameter._replace(ident=""), ident, said)
+            if ident in diagnoses.LOOKED_AT:
                 hits += self.diagnoses.add(packet, access, said)
             running = self.machine.is_running
             if self.values.take(packet, access, said, is_running=running):
@@ -132,6 +133,7 @@ class _Bus:
         return [*begun, *self.diagnoses.begun(), *lasting]
 
     def finish(self) -> Iterator[Hit]:
+        """Yield what is known only at the end."""
         yield from self.faults.finish(self.name, self.begin_s, self.end_s)
         yield from self.unreadable.finish(self.name)
         yield from self.silence.finish(self.name)
@@ -148,7 +150,7 @@ class _Bus:
 
 def _is_rare(packet: Packet) -> bool:
     """Tell whether a packet is more than a good telegram that reads or writes something, as nearly all."""
-    if packet.type != FRAME or len(packet.telegrams) != 1:
+    if len(packet.telegrams) != 1:
         return True
     (telegram,) = packet.telegrams
     is_odd = not telegram.good or telegram.unanswered or telegram.is_refusal or telegram.is_repeat
@@ -169,8 +171,13 @@ class Engine:
         self._thresholds = thresholds
         self._since_s = since_s
         self._book = Book()
-        self._buses: dict[str, _Bus] = {}
-        self._at: dict[str, _Bus] = {}  # by interface: a full-duplex bus has two
+        self._buses: dict[str, Bus] = {}
+        self._at: dict[str, Bus] = {}  # by interface: a full-duplex bus has two
+
+    @property
+    def buses(self) -> Iterable[Bus]:
+        """Return those that were heard."""
+        return self._buses.values()
 
     @property
     def undescribed(self) -> int:
@@ -179,13 +186,13 @@ class Engine:
 
     def add(self, packet: Packet) -> None:
         """Look at a packet."""
-        hits = self._of(packet).add(packet)
+        hits = self.bus_of(packet).add(packet)
         if hits:
             self._book.add(hits)
 
     def live(self, packet: Packet, *, is_learning: bool) -> list[Hit]:
         """Look at a packet; return what it tells by now. Nothing is noted for the end."""
-        bus = self._of(packet)
+        bus = self.bus_of(packet)
         hits = bus.add(packet, is_live=True)
         return hits + [hit for hit in bus.begun() if not is_learning or hit.kind not in _LEARNED]
 
@@ -193,21 +200,23 @@ class Engine:
         """Learn that a command had no reaction: of a packet that was looked at, only the next command tells it."""
         command.unanswered = True
         alone = replace(packet, telegrams=[command], accesses=[])
-        bus = self._of(packet)
+        bus = self.bus_of(packet)
         bus.silence.add(alone)
         bus.values.add(alone)
+        bus.writes.unheard(alone)
 
     def silent(self, now_s: float) -> list[Hit]:
         """Return what lasts while no packet comes."""
         return [hit for bus in self._buses.values() for hit in bus.bus.under_way(now_s)]
 
-    def _of(self, packet: Packet) -> _Bus:
+    def bus_of(self, packet: Packet) -> Bus:
+        """Return the bus of a packet."""
         bus = self._at.get(packet.interface)
         if bus is None:
             name = "" if packet.line in _DUPLEX else packet.interface
             if name not in self._buses:
                 before = self._before._bus(name) if self._before else None
-                self._buses[name] = _Bus(packet.interface, self._thresholds, self._since_s, before)
+                self._buses[name] = Bus(packet.interface, self._thresholds, self._since_s, before)
             bus = self._at[packet.interface] = self._buses[name]
         return bus
 
@@ -221,16 +230,16 @@ class Engine:
         found = []
         for bus in self._buses.values():
             here = [one for one in self._book.episodes() if self._is_of(one, bus)]
-            found += fold(here, bus.faults.telegrams, self._thresholds)
-            for one in found:
-                if one.kind in ("write", "limit_write", "conflict") and self._is_of(one, bus):
+            for one in here:
+                if one.kind in ("write", "limit_write", "conflict"):
                     one.outcome = bus.writes.outcome(one.hit)
+            found += fold(here, bus.faults.telegrams, self._thresholds)
         return sorted(found, key=lambda one: one.from_s)
 
-    def _is_of(self, episode: Episode, bus: _Bus) -> bool:
+    def _is_of(self, episode: Episode, bus: Bus) -> bool:
         return len(self._buses) == 1 or self._at.get(episode.hit.port) is bus
 
-    def _bus(self, name: str) -> _Bus | None:
+    def _bus(self, name: str) -> Bus | None:
         """Return the bus of this name, in a good capture. An only one may have another name now."""
         only = next(iter(self._buses.values())) if len(self._buses) == 1 else None
         return self._buses.get(name, only)

@@ -12,7 +12,7 @@ from sistap.dissected.episodes.episode import Hit
 from sistap.dissected.episodes.masters import station_of
 from sistap.dissected.episodes.rules import Severity
 from sistap.dissected.packets.dissection import DOUBTFUL, EXCEEDED, LOST, Judged, Packet, Telegram
-from sistap.dissected.wireshark.rows import EVENT, OTHER
+from sistap.dissected.wireshark.rows import OTHER
 from sistap.tap.records.record import Event, interval_text
 from sistap.tap.sis.limits import limit_text
 from sistap.tap.sis.telegram import FIRST_GROUP, service_name
@@ -51,7 +51,7 @@ class Faults:
         """Begin without a command."""
         self._asked: int | None = None  # the station whose reaction is due
         self._is_disturbed = False  # something was damaged since the last command: perhaps another one
-        self.known: set[int] = set()  # stations that have answered
+        self.known: set[int | None] = set()  # stations that have answered
         self.telegrams = 0  # good ones
         self.damaged = 0  # records that are none
 
@@ -62,7 +62,7 @@ class Faults:
             bad += not telegram.good
         is_other = packet.type == OTHER and self._asked is not None
         if bad or packet.type == OTHER:
-            self.damaged += bad or 1
+            self.damaged += 1
             self._is_disturbed = True
         hits: list[Hit] = []
         if bad or is_other or packet.errors or packet.event == Event.CHARACTERS_LOST:
@@ -79,7 +79,7 @@ class Faults:
                     hits += _signs(packet, telegram, signs)
                 if telegram.is_reaction:
                     self._asked = None
-                    self.known.add(telegram.talker or 0)
+                    self.known.add(telegram.talker)
                 else:
                     self._asked, self._is_disturbed = telegram.listener, False
         if packet.faults and not hits:
@@ -108,16 +108,16 @@ class Faults:
                 yield hit_of("damaged", packet, station, what)
 
     def command(self, packet: Packet) -> Iterable[Hit]:
-        """Take a good command."""
+        """Take a good command. The first ones after damage come to `add`."""
         self.telegrams += 1
-        self._asked, self._is_disturbed = packet.telegrams[0].listener, False
+        self._asked = packet.telegrams[0].listener
         return ()
 
     def reaction(self, packet: Packet) -> Iterable[Hit]:
         """Take a good reaction."""
         self.telegrams += 1
         self._asked = None
-        self.known.add(packet.telegrams[0].talker or 0)
+        self.known.add(packet.telegrams[0].talker)
         return ()
 
     def finish(self, port: str, begin_s: float, end_s: float) -> Iterator[Hit]:
@@ -191,8 +191,6 @@ class Refusals:
         for access in said:
             if access.error:
                 hits.append(self._of_parameter(packet, access))
-            else:
-                self._good.add(access.parameter)
         is_refused = telegram.is_refusal and telegram.good
         return hits or [_of_service(packet, telegram)] if is_refused else []
 
@@ -234,7 +232,7 @@ class UnreadableLine:
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return the time that ends with a packet."""
-        if packet.type == EVENT or (packet.type != OTHER and not packet.telegrams):
+        if packet.type != OTHER and not packet.telegrams:
             return ()  # nothing on the line, or another protocol
         if packet.telegrams and packet.telegrams[0].good:
             if not self._bad:

@@ -80,9 +80,9 @@ DAMAGE = {"damaged", "line_error", "lost", "repeated", "unanswered"}
 _BY_NUMBER = DAMAGE | {"busy"}  # bad only if there are many
 
 
-def fold(episodes: Iterable[Episode], telegrams: int, thresholds: Thresholds) -> list[Episode]:
-    """Return what is told, in the order of its beginning. `telegrams` are all good ones."""
-    found = _each_once(sorted(episodes, key=_begin))
+def fold(episodes: Sequence[Episode], telegrams: int, thresholds: Thresholds) -> list[Episode]:
+    """Return what is told of episodes, both in the order of their beginning. `telegrams` are all good ones."""
+    found = _each_once(episodes)
     found = _emergency_stops(found)
     found = _switched_off(found)
     found = _restarts(found)
@@ -105,7 +105,7 @@ def _joined(episodes: Iterable[Episode], is_one: Callable[[Episode, Episode], bo
         if like:
             like.join(one)
         else:
-            found.append(replace(one, stations=set(one.stations), packets=[*one.packets]))
+            found.append(one)
     return found
 
 
@@ -125,15 +125,16 @@ def _each_once(episodes: Sequence[Episode]) -> list[Episode]:
 
 def _emergency_stops(episodes: Sequence[Episode]) -> list[Episode]:
     """Make one of the faults of several drives that came and went together."""
-    faults = [one for one in episodes if one.kind == "fault" and one.hit.topic in _ESTOP]
+    faults = [one for one in episodes if one.hit.topic in _ESTOP]
     stops: list[Episode] = []
     for group in _at_once(faults):
         stations = set[int]().union(*(one.stations for one in group))
         if len(stations) < 2:
             continue
         first, to_s = group[0], max(one.to_s for one in group)
+        outcome = next((one.outcome for one in group if one.outcome), "")
         hit = first.hit._replace(kind="estop", to_s=to_s, station=None, parameter="", detail=first.hit.topic)
-        stops.append(replace(Episode.of(hit), stations=stations, outcome=first.outcome))
+        stops.append(replace(Episode.of(hit), stations=stations, outcome=outcome))
     return [*episodes, *stops]
 
 
@@ -153,7 +154,7 @@ def _switched_off(episodes: Sequence[Episode]) -> list[Episode]:
     silences = [one for one in episodes if one.kind == "bus_silent"]
     made: list[Episode] = []
     for boot in (one for one in episodes if one.kind == "boot"):
-        before = [one for one in silences if -SOON_S <= boot.from_s - one.to_s <= _BOOT_S]
+        before = [one for one in silences if 0 <= boot.from_s - one.to_s <= _BOOT_S]
         if before:
             from_s = before[-1].from_s
             hit = boot.hit._replace(kind="off", from_s=from_s, outcome="")
@@ -241,13 +242,13 @@ def _of_several_stations(episodes: Sequence[Episode]) -> list[Episode]:
 
     def is_one(one: Episode, other: Episode) -> bool:
         if one.kind in DAMAGE:
-            return one.kind == other.kind and other.from_s <= one.to_s + one.rule.join_s
+            return other.from_s <= one.to_s + one.rule.join_s
         apart_s = _TOGETHER[one.kind]
-        is_same = (one.kind, one.hit.parameter, one.severity) == (other.kind, other.hit.parameter, other.severity)
+        is_same = _what(one) == _what(other)
         is_near = abs(one.from_s - other.from_s) <= apart_s and abs(one.to_s - other.to_s) <= apart_s
         is_like = one.kind not in _SAME_DETAIL or one.hit.topic == other.hit.topic
         is_like = is_like and (one.kind != "drift" or _is_as_far(one, other))
-        is_like = is_like and (one.kind != "write" or _author(one) == _author(other))
+        is_like = is_like and (one.kind != "write" or one.hit.detail == other.hit.detail)
         return is_same and is_near and is_like and not one.stations & other.stations
 
     several = sorted((one for one in episodes if one.kind in _TOGETHER or one.kind in DAMAGE), key=_begin)
@@ -260,8 +261,8 @@ def _of_several_stations(episodes: Sequence[Episode]) -> list[Episode]:
     ]
 
 
-def _author(write: Episode) -> str:
-    return write.hit.detail.rpartition(" by ")[2]
+def _what(one: Episode) -> tuple[object, ...]:
+    return one.hit.parameter, one.severity, one.outcome
 
 
 def _is_as_far(one: Episode, other: Episode) -> bool:

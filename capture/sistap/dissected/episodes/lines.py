@@ -345,15 +345,16 @@ def _counted(episodes: Sequence[Episode], clock: Callable[[float], str]) -> Phra
     more = f", perhaps {undecided} more" if certain and undecided else ""
     how = [*_each_station(certain or episodes), _span(certain or episodes, clock)]
     if is_timed and count > 1:
-        how.insert(0, f"worst {(worst.hit.worst or 0) * 1e3:.4g} ms at {clock(worst.hit.from_s)}")
-    elif count == 1 or worst.kind in ("error", "never", "system_error"):
+        longest = worst.hit.worst
+        how.insert(0, f"worst {longest * 1e3:.4g} ms at {clock(worst.hit.from_s)}" if longest else "not measured")
+    elif count == 1 or worst.kind in ("error", "never"):
         how.insert(0, _each_detail(certain or episodes))
     return Phrase(f"{what}{more} ({', '.join(filter(None, how))})", worst, episodes)
 
 
 def _each_detail(episodes: Sequence[Episode]) -> str:
-    """Write what they are about: the worst first, and of those the most frequent; the first of many."""
-    ranked = sorted(episodes, key=lambda one: (-one.severity, -one.count))
+    """Write what they are about: the most frequent first; of many, the first."""
+    ranked = sorted(episodes, key=lambda one: -one.count)
     texts = [" ".join(filter(None, [one.hit.parameter, one.hit.detail.removeprefix(PERHAPS)])) for one in ranked]
     different = list(dict.fromkeys(filter(None, texts)))
     more = f" and {len(different) - _ALONE} more" if len(different) > _ALONE else ""
@@ -368,6 +369,8 @@ def _each_station(episodes: Sequence[Episode]) -> Sequence[str]:
     if len(stations) < 2 or episodes[0].kind not in _IN_MS:  # noqa: PLR2004 - several
         return [numbers(stations)]
     worst = {station: max(one.hit.worst or 0.0 for one in episodes if station in one.stations) for station in stations}
+    if not all(worst.values()):  # not measured
+        return [numbers(stations)]
     return [f"station {station} up to {time_s * 1e3:.4g} ms" for station, time_s in worst.items()]
 
 
@@ -387,6 +390,7 @@ def _words(episode: Episode, clock: Callable[[float], str]) -> dict[str, str]:
     """Return what the texts above may have."""
     hit = episode.hit
     values, _, by = hit.detail.rpartition(" by ")
+    values = values or hit.detail.split(", nobody")[0]
     lasted = seconds(episode.to_s - episode.from_s)
     never = episode.severity < Severity.ERROR  # it never answered
     return {
@@ -397,7 +401,7 @@ def _words(episode: Episode, clock: Callable[[float], str]) -> dict[str, str]:
         "times": f" ({episode.count} times)" if episode.count > 1 else "",
         "short": _LONG_HEX.sub("", re.split(r" \(|; ", hit.detail)[0]),
         "by": by,
-        "values": _numbers(values or hit.detail.split(", nobody")[0]) if hit.worst is not None or not by else values,
+        "values": _numbers(values) if hit.worst is not None else values,
         "more": "".join(f", {_ZEROS.sub(_point, one)}" for one in (episode.cause, episode.outcome) if one),
         "silence": hit.detail if never else f"from {clock(episode.from_s)} ({lasted})",
     }

@@ -46,11 +46,11 @@ class Machine:
 
     is_running: bool | None = None  # None: not known
     changes: list[tuple[float, bool]] = field(default_factory=list)  # since when it runs, or not
-    _drives: dict[int, _Drive] = field(default_factory=dict)
+    _drives: dict[object, _Drive] = field(default_factory=dict)
 
-    def add(self, now_s: float, station: int, ident: str, said: ValueReading) -> None:
+    def add(self, now_s: float, who: object, ident: str, said: ValueReading) -> None:
         """Take what a drive says of one of LOOKED_AT."""
-        drive = self._drives.setdefault(station, _Drive())
+        drive = self._drives.setdefault(who, _Drive())
         before = drive.is_running(now_s)
         since_s = LOOKED_AT[ident](drive, now_s, ident, said)
         after = drive.is_running(now_s)

@@ -14,6 +14,9 @@ from sistap.dissected.episodes.masters import Masters, station_of
 from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.dissected.episodes.standard import FORMS, LIMITS
 from sistap.dissected.packets.dissection import Packet
+from sistap.dissected.wireshark.rows import passes
+from sistap.tap.records.record import Event
+from sistap.tap.sis.faults import WRITE
 
 _RECIPE_S = 10.0  # writes of a recipe follow one another within this time
 _RECIPE = 4  # parameters; fewer are told one by one
@@ -60,12 +63,26 @@ class Writes:
             self._masters.count(access.master, is_write=access.is_write)
             present = self._of(access.parameter)
             before = present.value if present else None
-            is_change = present is not None and present.follow(access)
+            is_change = present is None or present.follow(access)
             if access.is_write:
                 hits += self._write(packet, access, before, is_change=is_change)
             elif access.parameter in self._settings:
                 hits += self._read(packet, access)
         return hits
+
+    def unheard(self, packet: Packet) -> Iterable[Hit]:
+        """Doubt what was written: nobody has listened for a while, or has heard whether a drive took another write."""
+        is_seam = packet.event in (Event.CAPTURE_STARTED, Event.ADAPTER_LOST) and not packet.is_again
+        lost = {
+            (telegram.listener, telegram.columns.get("sis.parameter"))
+            for telegram in packet.telegrams
+            if telegram.unanswered and passes(WRITE.tests, telegram.columns)
+        }
+        if is_seam or lost:
+            for parameter, setting in self._settings.items():
+                if is_seam or (station_of(parameter), parameter.ident) in lost:
+                    setting.is_read_as_written = False
+        return ()
 
     def _write(self, packet: Packet, access: Access, before: str | None, *, is_change: bool) -> Iterator[Hit]:
         parameter = access.parameter._replace(port="")
@@ -102,10 +119,11 @@ class Writes:
 
     def _recipe(self) -> Iterator[Hit]:
         row, self._row = self._row, []
-        if len({(hit.station, hit.parameter) for hit in row}) < _RECIPE:
+        count = len({(hit.station, hit.parameter) for hit in row})
+        if count < _RECIPE:
             return
         stations = numbers({hit.station for hit in row if hit.station is not None})
-        detail = f"master {row[0].topic} wrote {len(row)} parameters of {stations}"
+        detail = f"master {row[0].topic} wrote {count} parameters of {stations}"
         self._recipes.append((row[0].from_s, row[-1].from_s))
         yield Hit("recipe", row[0].packet, row[0].from_s, row[-1].to_s, None, "", detail, port=row[0].port)
 
@@ -139,7 +157,7 @@ class Writes:
             setting.is_read_as_written = True
         elif setting.is_read_as_written:
             detail = f"{setting.value}{ARROW}{access.value}, nobody on this bus wrote it"
-            yield self._place("other", packet, access, detail)
+            yield self._place("other", packet, access, detail)._replace(worst=access.number)
             setting.value, setting.whole, setting.is_read_as_written = access.value, access.whole, False
 
     @staticmethod
@@ -156,7 +174,7 @@ class Writes:
     def values(self) -> dict[Parameter, str | None]:
         """Return the values known at the end, without ports."""
         ordered = sorted(self._present.values(), key=lambda present: order(present.parameter))
-        return self._known | {present.parameter._replace(port=""): present.value for present in ordered}
+        return {present.parameter._replace(port=""): present.value for present in ordered}
 
     def outcome(self, hit: Hit) -> str:
         """Say what the parameter of a write has at the end; nothing if nobody knows."""
