@@ -49,6 +49,7 @@ from test_kinds import (
     writes,
 )
 
+from sistap.dissected.accesses.access import Parameter
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.levels import Levels, goes_on
@@ -565,7 +566,7 @@ def stops(*said: tuple[float, int, str, ValueReading]) -> list[tuple[float, floa
     """Return from when to when it stood within 100 s."""
     drives = Drives()
     for now_s, station, ident, tells in said:
-        drives.add(now_s, station, ident, tells)
+        drives.add(now_s, Parameter("", str(station), 0, ident), tells)
     return drives.stops(0, 100)
 
 
@@ -587,6 +588,17 @@ def test_a_drive_stands_as_its_words_say() -> None:
     assert stops((10.0, 3, "S-0-0135", word(0x4000)), (40.0, 3, "S-0-0135", word(0xC000))) == [(0, 40)]
     assert stops((10.0, 3, "S-0-0135", word(0x4000))) == []  # nobody knows whether it ever runs
     assert stops(on, off, (43.0, 3, "S-0-0134", word(0xE000))) == []  # too short
+    ready = (20.0, 3, "S-0-0135", word(0x8000)), (30.0, 3, "S-0-0134", word(0xE000)), (50.0, 3, "S-0-0135", word(0xC000))
+    assert stops(on, *ready) == [(20, 50)]  # both have to say that it runs
+
+
+@pytest.mark.parametrize("drives", [(("3/8", 0), ("3/9", 0)), (("3", 1), ("3", 2))])
+def test_of_two_drives_behind_a_station_each_says_whether_it_runs(drives: Sequence[tuple[str, int]]) -> None:
+    """One of them runs all the time, and the other one stands."""
+    machine = Drives()
+    for number in range(10):
+        machine.add(10.0 * number, Parameter("", *drives[number % 2], "S-0-0134"), word(0xE000 * (1 - number % 2)))
+    assert machine.stops(0, 100) == []
 
 
 def test_a_machine_runs_if_a_third_of_its_drives_do() -> None:
@@ -605,6 +617,16 @@ def test_a_drive_stands_as_its_speed_says() -> None:
     assert stops(*every_second(*[1000] * 20, *[0] * 20, *[-1000] * 20)) == [(20, 40)]
     assert stops(*every_second(*[1000] * 20, *[0] * 14, *[1000] * 20)) == []
     assert stops(*every_second(*[0] * 60)) == []
+
+
+@pytest.mark.parametrize(("code_s", "found"), [((0.0,), [(5, 100)]), ((0.0, 20.0, 70.0), []), ((0.0, 20.0), [(5, 100)])])
+def test_a_speed_says_more_than_a_diagnosis_of_a_minute_ago(
+    code_s: Sequence[float], found: Sequence[tuple[float, float]]
+) -> None:
+    """A panel reads diagnoses only now and then."""
+    codes = [(second, 3, "S-0-0390", ValueReading(None, "0xA0101", "", 0xA0101)) for second in code_s]
+    speeds = [(float(second), 3, SPEED, speed(1000.0 * (second < 5))) for second in range(100)]
+    assert stops(*sorted((*codes, *speeds), key=lambda one: one[0])) == found
 
 
 # -- Levels, lines, and their chance ---------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.faults import Faults, Refusals, UnreadableLine
 from sistap.dissected.episodes.folding import fold
 from sistap.dissected.episodes.machine import Machine
-from sistap.dissected.episodes.masters import Masters, station_of
+from sistap.dissected.episodes.masters import Masters
 from sistap.dissected.episodes.paces import Paces
 from sistap.dissected.episodes.readings import reading
 from sistap.dissected.episodes.rules import THRESHOLDS, Thresholds
@@ -113,7 +113,7 @@ class _Bus:
                 continue
             ident = access.parameter.ident
             if ident in machine.LOOKED_AT and (not access.is_write or ident in machine.WRITTEN):
-                self.machine.add(packet.epoch_s, station_of(access.parameter), ident, said)
+                self.machine.add(packet.epoch_s, access.parameter, said)
             if ident in diagnoses.LOOKED_AT and not access.is_write:
                 hits += self.diagnoses.add(packet, access, said)
             running = self.machine.is_running
