@@ -6,7 +6,7 @@ from __future__ import annotations
 from operator import methodcaller as do
 
 import pytest
-from machines import BEGIN_S, FAULT, PLC, SPEED, Machine, Told, access, diagnosis, judged, telegram, undescribed
+from machines import BEGIN_S, FAULT, LAPTOP, PLC, SPEED, Machine, Told, access, diagnosis, judged, telegram, undescribed
 from test_kinds import LIMIT, TORQUE, Play, about, event, firmware, pause, reaction, reads, run, then, told, writes
 
 from sistap.dissected.episodes.episode import Episode, Hit
@@ -233,6 +233,15 @@ def test_after_a_silence_of_the_bus_no_master_is_gone() -> None:
     """Nobody asked; a panel that asks now and then is not missing for so long."""
     seldom = then(*[then(run(20, has_panel=False), run(2))] * 5, run(20, has_panel=False))
     assert details(then(run(450), pause(300), seldom), "vanished") == []
+
+
+def test_a_visitor_hides_no_master_that_is_gone() -> None:
+    """He asks first; who usually asks is known from a good capture."""
+    good = Machine()
+    good.run(10)
+    machine = Machine(before=good.engine)
+    then(do("exchange", station=3, master=LAPTOP), run(420), run(80, has_panel=False))(machine)
+    assert machine.told().kinds == ["master", "vanished"]
 
 
 def test_a_slow_drive_is_told_after_half_an_hour() -> None:

@@ -153,6 +153,10 @@ def talk(count: int) -> Play:
     return then(*[then(do("exchange", station=3), pause(1))] * count)
 
 
+def panel_alone(count: int) -> Play:
+    return then(*[then(do("exchange", station=3, master=PANEL), pause(1.5))] * count)
+
+
 def silences(count: int, longer_s: float = 0.0) -> Play:
     """Let the bus be silent in a rhythm; every second time for a little longer."""
     talks = (then(talk(60), pause(30 + longer_s * (number % 2))) for number in range(count))
@@ -280,6 +284,11 @@ CASES = (
         then(run(60, 0.5), pause(10), do("put")),
         then(run(60, 0.5), do("put", since_s=10.0)),  # of its line; the other one was heard
     ),
+    Case(
+        *("bus_silent", ERROR),
+        then(talk(30), pause(2.5), talk(2)),
+        then(talk(9), pause(2.5), talk(18), pause(2.5), talk(2)),  # it was so at the beginning
+    ),
     Case("rhythm", NOTE, silences(12), silences(11)),
     Case("rhythm", NOTE, silences(12, 2.5), silences(12, 4)),  # 8 and 13 % longer than the one before
     Case(
@@ -327,6 +336,12 @@ CASES = (
         *("vanished", LOOK),
         then(run(420), *PAUSES, run(180, has_panel=False)),
         then(run(420), *PAUSES, run(140, has_panel=False)),  # it pauses for 32 s
+    ),
+    Case("vanished", LOOK, *(then(run(420), panel_alone(count)) for count in (55, 45))),  # others ask fifty times
+    Case(
+        *("vanished", LOOK),
+        then(run(420), pause(300), run(60), run(80, has_panel=False)),
+        then(run(420), pause(300), run(2, has_panel=False), pause(300), run(20, has_panel=False)),  # nobody can ask
     ),
     Case(
         *("restart", LOOK),
@@ -408,6 +423,7 @@ CASES = (
     Case("write", NOTE, writes("P-0-0123", (PLC, 12)), writes("S-0-0134", (PLC, 12))),  # the master control word
     Case("master", NOTE, asked(LAPTOP, before_s=122), asked(LAPTOP, before_s=100)),
     Case("master", NOTE, asked(LAPTOP, before_s=122), then(run(122), do("ask", PLC, LAPTOP), run(60))),  # a token
+    Case("master", NOTE, *(then(talk(count), do("exchange", station=3, master=LAPTOP)) for count in (200, 199))),
     Case("phase", LOOK, phases("4", "2"), phases("4", "4")),
     Case("phase", LOOK, then(phases("2"), phase_after(11)), then(phases("2"), phase_after(9))),
     Case(

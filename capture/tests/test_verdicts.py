@@ -62,7 +62,7 @@ from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.trend import Slots, quartiles, trend
 from sistap.dissected.episodes.values import unlike
 from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
-from sistap.dissected.wireshark.rows import OTHER
+from sistap.dissected.wireshark.rows import EVENT, OTHER
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event
 
@@ -101,13 +101,20 @@ def command(rpm: float) -> Play:
     return do("write", 3, "S-0-0036", rpm)
 
 
+NEXT_OF_RING = do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True)
+NEXT_KEPT = do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), text=f"a tap{KEPT}late", is_again=True)
 SLOW = [reaction(20, reaction=judged(time_s, 0.05, 0)) for time_s in [0.010] * 45 + [0.030] * 45]
 
 
 CASES = (
     # silences
-    Case("bus_silent", then(talk(60), pause(10), talk(2)), "", "11 s: cable or master off?", 60.8, 71.82),
-    Case("bus_silent", then(talk(60), pause(5), talk(2)), "", "6.0 s: cable or master off?"),
+    Case("bus_silent", then(talk(60), pause(9), talk(2)), "", "10 s: cable or master off?", 60.8, 70.82),
+    Case("bus_silent", then(talk(60), pause(8), talk(2)), "", "9.0 s: cable or master off?"),
+    Case(
+        "bus_silent",
+        then(talk(60), pause(3), event(Event.MARKER, "a lorry"), pause(3), NEXT_OF_RING, pause(3), talk(2)),
+        *("", "10 s: cable or master off?"),
+    ),
     Case(
         "silent",
         then(run(30), do("silent", 4, 4, every_s=2), do("exchange", station=4)),
@@ -120,7 +127,11 @@ CASES = (
         "1.0 s, 3 commands without a reaction; not heard again",
     ),
     Case("silent", do("silent", 9, 5), "station 9", "never answered 5 commands"),
-    Case("unanswered", then(run(30), do("silent", 3), reaction()), "station 3", ""),
+    Case(
+        "unanswered",
+        then(run(30), do("silent", 3), event(Event.MARKER, "a lorry"), do("exchange", station=3, service=0x03)),
+        *("station 3", ""),
+    ),
     Case(
         "repeated",
         then(run(30), do("silent", 3), do("ask", 3, is_repeat=True), do("answer", 3)),
@@ -131,12 +142,22 @@ CASES = (
     Case(
         "master",
         then(run(130), do("exchange", access(4, SPEED, 1.0, master=LAPTOP), master=LAPTOP), do("ask", 3, LAPTOP)),
-        *("", "master 127 asked stations 3, 4: 2 commands, 1 value read, 0 written"),
+        *("", "master 127 asked stations 3, 4: 2 commands, 1 value read, 0 written", 130.02, 130.05),
     ),
     Case(
         "master",
-        then(run(130), do("write", 3, "P-0-0123", 5.0, master=LAPTOP)),
-        *("", "master 127 asked station 3: 1 command, 0 values read, 1 written"),
+        then(run(130), do("write", 0, "P-0-0123", 5.0, master=0)),
+        *("", "master 0 asked station 0: 1 command, 0 values read, 1 written"),
+    ),
+    Case(
+        "master",
+        then(run(130), *[do("exchange", station=3, master=LAPTOP)] * 200),
+        *("", "master 127 asked station 3: 200 commands, 0 values read, 0 written"),
+    ),
+    Case(
+        "vanished",
+        then(run(450), pause(300), run(80, has_panel=False)),
+        *("", "master 2 asks nothing any more, others do (225 commands until then)", 750.02, 828.17),
     ),
     # single telegrams
     Case("late", is_late("reaction", 0.06, 0.05), "station 5", "60.000 ms, TrS 50 ms", 0.03, 0.03),
@@ -274,6 +295,16 @@ CASES = (
     ),
     Case(
         "write",
+        writes("P-0-0123", (0, 12)),
+        *("station 5 P-0-0123", "12 rpm by new master 0; still set at the end"),
+    ),
+    Case(
+        "write",
+        then(run(150), do("put", accesses=[access(5, "P-0-0123", 12, master=None, is_write=True)])),
+        *("station 5 P-0-0123", "12 rpm by ASCII; still set at the end"),
+    ),
+    Case(
+        "write",
         then(run(150), do("write", 5, "S-0-0134", "0b1110000000000000", master=LAPTOP), run(60)),
         *("station 5 S-0-0134", "0b1110000000000000 by new master 127; still set at the end"),  # a control word
     ),
@@ -324,6 +355,9 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("conflict", writes("P-0-0123", (PLC, 12), (PLC, 15), (PLC, 12), (PLC, 16))),  # one master
     ("drift", told("S-0-0051", RISES, every_s=30, unit="mm")),  # a position
     ("master", turn(9, 200)),  # a control that takes turns
+    ("bus_silent", then(do("ask", 3), pause(5), talk(2))),  # nothing is known of it
+    ("bus_silent", then(talk(60), pause(600), NEXT_KEPT, talk(60))),  # of a recorder
+    ("vanished", then(*[do("refuse", 5, LIMIT, "0x1001")] * 200, run(90))),  # a station is no master
     ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
     ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
     ("error", refuse(0x10)),  # what is asked for is not known
@@ -348,17 +382,25 @@ def test_a_visitor_with_a_token_is_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("masters", "said"),
+    ("masters", "said", "visits"),
     [
-        ((103, 104), ["station 3 P-0-0123 12 rpm by new master 103", "station 4 P-0-0123 12 rpm by new master 104"]),
-        ((103, 103), ["stations 3, 4 P-0-0123 12 rpm by new master 103"]),
+        (
+            (103, 104),
+            ["station 3 P-0-0123 12 rpm by new master 103", "station 4 P-0-0123 12 rpm by new master 104"],
+            [[1051], [1053]],  # before it, 75 cycles of 14 packets
+        ),
+        ((103, 103), ["stations 3, 4 P-0-0123 12 rpm by new master 103"], [[1051]]),
     ],
 )
-def test_what_visitors_write_at_once_is_told_by_its_author(masters: tuple[int, int], said: Sequence[str]) -> None:
+def test_what_visitors_write_at_once_is_told_by_its_author(
+    masters: tuple[int, int], said: Sequence[str], visits: Sequence[Sequence[int]]
+) -> None:
     machine = Machine()
     stations = zip((3, 4), masters, strict=True)
     then(run(150), *(do("write", station, "P-0-0123", 12, master=master) for station, master in stations))(machine)
-    assert [f"{one.who} {one.detail.partition(';')[0]}" for one in machine.told().of("write")] == said
+    told = machine.told()
+    assert [f"{one.who} {one.detail.partition(';')[0]}" for one in told.of("write")] == said
+    assert [one.packets for one in told.of("master")] == visits
 
 
 @pytest.mark.parametrize(("falls", "count"), [(0, 0), (1, 0), (2, 1)])
@@ -439,10 +481,12 @@ def test_what_begins_is_told_at_once() -> None:
 def test_a_visitor_is_told_at_once_but_not_his_tokens() -> None:
     live = LiveEpisodes()
     for second in range(250):
-        live.add(packet(BEGIN_S + second, telegram(PLC, 3)))
+        assert live.add(packet(BEGIN_S + second, telegram(PLC, 3))) == []
     assert live.add(packet(BEGIN_S + 250, telegram(LAPTOP, PLC, service=0x0F))) == []
     (hit,) = live.add(packet(BEGIN_S + 251, telegram(LAPTOP, 3)))
     assert (hit.kind, hit.station, hit.detail) == ("master", 3, "asked by new master 127")
+    assert len(live.add(packet(BEGIN_S + 252, telegram(126, 3)))) == 1  # another one
+    assert live.add(packet(BEGIN_S + 253, telegram(LAPTOP, 3))) == []
 
 
 # -- While it happens ------------------------------------------------------------------------------------------------
@@ -470,6 +514,7 @@ def test_a_silence_that_lasts_is_told_once() -> None:
     assert silence.under_way(31.9) == () and silence.under_way(32) == ()  # 3 s; three times as long as usual
     (hit,) = silence.under_way(32.1)
     assert (hit.kind, hit.from_s, hit.to_s, hit.detail) == ("bus_silent", 29, 32.1, "3.1 s: cable or master off?")
+    assert hit.worst == pytest.approx(3.1)
     assert silence.under_way(40) == ()
     assert [one.from_s for one in silence.add(packet(42.0, telegram(PLC, 3)))] == [29]
     assert len([*silence.under_way(60)]) == 1  # the next one
@@ -482,7 +527,9 @@ def test_a_bus_that_was_heard_for_a_quarter_of_an_hour_is_known() -> None:
         silence = BusSilence()
         for second in range(heard_s + 1):
             silence.add(packet(float(second), telegram(PLC, 3)))
+        under_way = [*silence.under_way(float(heard_s + silence_s))]
         (hit,) = silence.add(packet(float(heard_s + silence_s), telegram(PLC, 3)))
+        assert len(under_way) == (hit.severity is None)  # a note is told only afterwards
         return hit.severity
 
     assert severity(100, 50) is None and severity(100, 51) == Severity.NOTE
@@ -508,15 +555,16 @@ def test_of_two_directions_the_shorter_silence_counts() -> None:
     assert silence.add(packet(39.0, telegram(PLC, 3), since_s=20.0))[0].from_s == 29  # type: ignore[index]
     assert silence.add(packet(49.0, telegram(PLC, 3), since_s=2.0)) == ()
     silence.add(packet(50.0, type=2, event=int(Event.CAPTURE_STARTED)))
+    assert silence.under_way(90) == ()
     assert silence.add(packet(99.0, telegram(PLC, 3))) == ()  # between two captures nobody has listened
 
 
 def ask(silence: StationSilence, second: float, *, unanswered: bool = True, **more: bool) -> Sequence[Hit]:
-    return [*silence.add(packet(second, telegram(PLC, 4, unanswered=unanswered, **more), number=int(second)))]
+    return [*silence.add(packet(second, telegram(PLC, 0, unanswered=unanswered, **more), number=int(second)))]
 
 
 def answer(silence: StationSilence, second: float) -> Sequence[Hit]:
-    return [*silence.add(packet(second, telegram(4, PLC, is_reaction=True), number=int(second)))]
+    return [*silence.add(packet(second, telegram(0, PLC, is_reaction=True), number=int(second)))]
 
 
 def test_a_station_that_is_silent_while_it_happens() -> None:

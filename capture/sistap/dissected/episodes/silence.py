@@ -118,7 +118,7 @@ class _Asked:
     """A station, and its commands without a reaction since it last answered."""
 
     count: int = 0
-    repeats: int = 0
+    is_repeated: bool = False
     from_s: float = 0.0
     to_s: float = 0.0
     first: int = 0  # packet
@@ -150,19 +150,16 @@ class StationSilence:
                 elif telegram.unanswered:
                     self._pending = packet, telegram
                 elif telegram.is_repeat and telegram.listener in self._stations:
-                    self._stations[telegram.listener].repeats += 1
+                    self._stations[telegram.listener].is_repeated = True
         return hits
 
     def command(self, packet: Packet) -> Iterable[Hit]:
         """Take a command that was answered."""
-        if self._pending:
-            self._resolve()
+        self._resolve()
         return ()
 
     def reaction(self, packet: Packet) -> Iterable[Hit]:
         """Take a good reaction."""
-        if self._pending:
-            self._resolve()
         return self._answered(packet, packet.telegrams[0])
 
     def finish(self, port: str) -> Iterator[Hit]:
@@ -193,7 +190,7 @@ class StationSilence:
         if not asked.count:
             asked.from_s, asked.first = packet.epoch_s, packet.number
         asked.count += 1
-        asked.repeats += telegram.is_repeat
+        asked.is_repeated |= telegram.is_repeat
         asked.to_s = packet.ended_s
         self._grown = telegram.listener
 
@@ -208,7 +205,7 @@ class StationSilence:
             return ()
         asked = self._stations.get(telegram.talker)
         if asked and not asked.count and asked.has_answered:
-            asked.repeats = 0
+            asked.is_repeated = False
             return ()
         self._stations[telegram.talker] = _Asked(has_answered=True)
         if not asked:
@@ -226,6 +223,6 @@ class StationSilence:
             kind, detail = "silent", f"{seconds(lasted_s)}, {asked.count} commands without a reaction"
             if not asked.has_answered:
                 detail, severity = f"never answered {asked.count} commands", Severity.WARNING
-        elif asked.repeats:
+        elif asked.is_repeated:
             kind, detail = "repeated", "a command without a reaction"
         yield Hit(kind, asked.first, asked.from_s, asked.to_s, station, "", detail, float(asked.count), severity, port)
