@@ -248,6 +248,6 @@ class Told:
         return [(one.kind, one.severity) for one in self.episodes if one.severity >= Severity.WARNING]
 
 
-def judged(time_s: float, limit_s: float, verdict: int) -> Judged:
+def judged(time_s: float, limit_s: float | None, verdict: int) -> Judged:
     """Return a time with its limit."""
     return Judged(time_s, limit_s, verdict)

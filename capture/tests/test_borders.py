@@ -69,6 +69,35 @@ def test_a_long_initialisation_is_one() -> None:
     assert boot.to_s - boot.from_s == pytest.approx(105, abs=2)
 
 
+def of_itself(station: int, phase: str, times_s: tuple[float, float], firmware: str, key: str) -> Play:
+    """Let a station say its phase, its limits TrS and TzA, and which device it is. Masters keep its TzA, too."""
+    limits = {"reaction": judged(0.01, times_s[0], 0), "pause": judged(0.001, times_s[1], 0)}
+    return then(
+        do("ask", station, pause=limits["pause"]),
+        do("answer", station, service=0x12, phase=phase, **limits),
+        do("answer", station, service=0x00, columns={"sis.firmware": firmware}),
+        do("answer", station, service=0x00, columns={"sis.type_key": key}),
+    )
+
+
+def test_what_a_station_says_of_itself_is_no_change_of_another() -> None:
+    before = of_itself(0, "2", (0.05, 0.002), "FWA-1", "HCS01"), of_itself(5, "3", (0.04, 0.003), "FWA-2", "HCS02")
+    assert of(then(do("answer", 4), *before, *before)).kinds == []
+    switched = then(do("ask", 4, service=0x1D, phase="4"), do("answer", 4, service=0x1D))
+    after = of_itself(0, "3", (0.06, 0.001), "FWA-3", "HCS03"), of_itself(5, "3", (0.06, 0.003), "FWA-2", "HCS02")
+    assert sorted(
+        f"{one.who}: {one.detail}" for one in of(then(do("answer", 4), *before, switched, *after)).episodes
+    ) == [
+        "station 0: 2 -> 3",
+        "station 0: TrS 50 -> 60 ms",
+        "station 0: TzA 2 -> 1 ms",
+        "station 0: firmware FWA-1 -> FWA-3",
+        "station 0: type key HCS01 -> HCS03",
+        "station 4: unknown -> 4",
+        "station 5: TrS 40 -> 60 ms",
+    ]
+
+
 @pytest.mark.parametrize(("name", "kind"), [("error_reaction", "error"), ("damaged", "damaged")])
 def test_a_fault_of_another_protocol_has_no_station(name: str, kind: str) -> None:
     """Of ECODRIVE's ASCII protocol, say: the packet has no telegram."""

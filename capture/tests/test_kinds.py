@@ -218,7 +218,7 @@ def phase_after(seconds: float) -> Play:
     return then(reaction(service=0x1D, phase="2"), pause(seconds - 0.03), reaction(service=0x12, phase="1"))
 
 
-def limits(*limits_s: float) -> Play:
+def limits(*limits_s: float | None) -> Play:
     return then(*(reaction(reaction=judged(0.01, limit_s, 0)) for limit_s in limits_s))
 
 

@@ -36,6 +36,7 @@ from test_kinds import (
     behind,
     event,
     flips,
+    limits,
     pause,
     phases,
     reaction,
@@ -76,6 +77,7 @@ class Case(NamedTuple):
     detail: str
     from_s: float | None = None
     to_s: float | None = None
+    worst: float | None = None
 
 
 def is_late(kind: str, time_s: float, limit_s: float, verdict: int = EXCEEDED, **more: Any) -> Play:
@@ -101,6 +103,7 @@ def command(rpm: float) -> Play:
     return do("write", 3, "S-0-0036", rpm)
 
 
+TRS = [{"is_reaction": True, "reaction": judged(0.01, limit_s, 0)} for limit_s in (0.05, 0.04)]
 NEXT_OF_RING = do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True)
 NEXT_KEPT = do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), text=f"a tap{KEPT}late", is_again=True)
 SLOW = [reaction(20, reaction=judged(time_s, 0.05, 0)) for time_s in [0.010] * 45 + [0.030] * 45]
@@ -126,7 +129,12 @@ CASES = (
         "station 4",
         "1.0 s, 3 commands without a reaction; not heard again",
     ),
-    Case("silent", do("silent", 9, 5), "station 9", "never answered 5 commands"),
+    Case("silent", do("silent", 9, 5), "station 9", "never answered 5 commands", 0.5, 2.5),
+    Case(
+        "silent",
+        then(do("silent", 9, 5), do("exchange", station=9)),
+        *("station 9", "2.0 s, 5 commands without a reaction", 0.5, 2.53),
+    ),
     Case(
         "unanswered",
         then(run(30), do("silent", 3), event(Event.MARKER, "a lorry"), do("exchange", station=3, service=0x03)),
@@ -200,20 +208,36 @@ CASES = (
     Case("warning_bit", do("ask", 5, signs=("warning_bit",)), "station 1", ""),  # the sender has it
     # states
     Case("phase", phases("4", "2"), "station 5", "4 -> 2"),
-    Case("rate", then(reaction(), do("put", baud=19200)), "", "9600 -> 19200 Bd"),
+    Case("rate", then(reaction(), *[do("put", baud=19200)] * 2), "", "9600 -> 19200 Bd"),
     Case("rate", then(reaction(), do("put", baud=None), do("put", baud=4800)), "", "9600 -> 4800 Bd"),
     Case(
         "limits",
         then(*(reaction(pause=judged(0.001, limit_s, 0)) for limit_s in (0.002, 0.003))),
         *("station 5", "TzA 2 -> 3 ms"),
     ),
+    Case(
+        "limits",
+        then(*(do("put", telegram(PLC, 5), telegram(5, PLC, **said)) for said in TRS)),
+        *("station 5", "TrS 50 -> 40 ms"),
+    ),
     Case("gap", then(run(30), pause(60), event(Event.CAPTURE_STARTED)), "", "62 s between two captures"),
-    Case("clock", stamped(37), "", "+37 s", 37.05, 37.05),
-    Case("clock", stamped(-37), "", "-37 s", -36.95, 0.05),
+    Case(
+        "gap",  # the two directions of a bus
+        then(do("put", line=1), do("put", line=2, after_s=30), pause(60), event(Event.CAPTURE_STARTED)),
+        *("", "60 s between two captures", 30, 90),
+    ),
+    Case(
+        "gap",  # the second capture is the older one
+        then(do("put", after_s=100), pause(-40), event(Event.CAPTURE_STARTED)),
+        *("", "-40 s between two captures", 60, 60),
+    ),
+    Case("clock", stamped(37), "", "+37 s", 37.05, 37.05, 37),
+    Case("clock", stamped(-37), "", "-37 s", -36.95, 0.05, -37),
+    Case("clock", stamped(-37, None), "", "-37 s", -36.95, 0.03, -36.98),
     Case(
         "clock",
-        event(Event.MARKER, "system time jumped by -2.5 s"),
-        *("", "-2.5 s; the times of the capture go on without the jump"),
+        then(reaction(), event(Event.MARKER, "system time jumped by -2.5 s")),
+        *("", "-2.5 s; the times of the capture go on without the jump", 0.03, 0.03, -2.5),
     ),
     Case("unreadable", then(run(30), do("noise", 21, every_s=0.2), reaction(3)), "", "21 records are no telegrams"),
     Case("foreign", do("noise", 7), "", "none of 7 records is a telegram: another protocol, rate or format?"),
@@ -336,6 +360,8 @@ def test_what_is_said(case: Case) -> None:
         assert found.from_s - BEGIN_S == pytest.approx(case.from_s, abs=0.006)
     if case.to_s is not None:
         assert found.to_s - BEGIN_S == pytest.approx(case.to_s, abs=0.006)
+    if case.worst is not None:
+        assert found.hit.worst == pytest.approx(case.worst, abs=0.006)
 
 
 def turn(master: int, commands: int) -> Play:
@@ -345,6 +371,13 @@ def turn(master: int, commands: int) -> Play:
 
 
 STATE = [access(5, "P-0-0222", str(value)) for value in [1] * 20 + [0] * 3 + [1] * 20 + [2]]
+
+# Two commands without a reaction between two reactions: each direction has its own time.
+DUPLEX = then(
+    do("put", line=2, intervals_s=[0.01] * 100),  # it takes a second
+    *[do("put", line=1, after_s=1.0)] * 3,
+    do("put", line=2, after_s=0.01, since_s=2.01),
+)
 
 # What is no news, and of which kind it would be.
 QUIET: Sequence[tuple[str, Play]] = (
@@ -357,6 +390,10 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("master", turn(9, 200)),  # a control that takes turns
     ("bus_silent", then(do("ask", 3), pause(5), talk(2))),  # nothing is known of it
     ("bus_silent", then(talk(60), pause(600), NEXT_KEPT, talk(60))),  # of a recorder
+    ("clock", DUPLEX),
+    ("gap", then(run(30), pause(60), NEXT_OF_RING, run(30))),
+    ("limits", then(limits(0.05), reaction(good=False, reaction=judged(0.01, 0.04, 0)), limits(0.05))),
+    ("limits", limits(0.05, None, 0.05)),  # a second capture that has not told them yet
     ("vanished", then(*[do("refuse", 5, LIMIT, "0x1001")] * 200, run(90))),  # a station is no master
     ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
     ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),

@@ -112,7 +112,7 @@ class TapTroubles:
                 self._ends_s = {}
             return self._event(packet, max(self._ends_s.values(), default=None))
         end_s = self._ends_s.get(packet.line)
-        self._ends_s[packet.line] = packet.epoch_s + packet.length_s
+        self._ends_s[packet.line] = packet.ended_s
         if end_s is None:
             return ()
         if packet.since_s is not None:
