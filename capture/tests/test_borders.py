@@ -6,7 +6,22 @@ from __future__ import annotations
 from operator import methodcaller as do
 
 import pytest
-from machines import BEGIN_S, FAULT, LAPTOP, PLC, SPEED, Machine, Told, access, diagnosis, judged, telegram, undescribed
+from machines import (
+    BEGIN_S,
+    FAULT,
+    LAPTOP,
+    PLC,
+    RUNS,
+    SPEED,
+    STANDS,
+    Machine,
+    Told,
+    access,
+    diagnosis,
+    judged,
+    telegram,
+    undescribed,
+)
 from test_kinds import LIMIT, TORQUE, Play, about, event, firmware, pause, reaction, reads, run, then, told, writes
 
 from sistap.dissected.episodes.episode import Episode, Hit
@@ -64,7 +79,8 @@ def test_half_of_all_stations_are_a_machine_that_starts(stations: tuple[int, ...
 
 def test_a_long_initialisation_is_one() -> None:
     """Its steps are within a minute of one another; all of it takes longer."""
-    (boot,) = of(then(do("boot", 3), run(50), do("boot", 4), run(50), do("boot", 5))).of("boot")
+    marker = event(Event.MARKER, "a lorry")
+    (boot,) = of(then(do("boot", 3), run(50), do("boot", 4), marker, run(50), do("boot", 5))).of("boot")
     assert boot.detail.startswith("stations 3, 4, 5, ready 1")
     assert boot.to_s - boot.from_s == pytest.approx(105, abs=2)
 
@@ -96,6 +112,21 @@ def test_what_a_station_says_of_itself_is_no_change_of_another() -> None:
         "station 4: unknown -> 4",
         "station 5: TrS 40 -> 60 ms",
     ]
+
+
+def test_an_initialisation_to_another_phase_is_one_too() -> None:
+    stations = (then(do("exchange", station=station, service=0x1D, phase="2"), run(50)) for station in (3, 4, 5))
+    assert details(then(run(4), *stations), "boot") == [": stations 3, 4, 5"]
+
+
+def test_two_captures_have_two_initialisations() -> None:
+    assert len(details(then(do("boot"), event(Event.CAPTURE_STARTED), do("boot")), "boot")) == 2
+
+
+@pytest.mark.parametrize("drives", [(3,), (3, 4)])
+def test_the_restart_of_one_station_of_few_is_no_initialisation_of_the_machine(drives: tuple[int, ...]) -> None:
+    kinds = of(then(run(30), do("silent", 3, 4), do("boot", 3), run(90)), *drives).kinds
+    assert "restart" in kinds and "boot" not in kinds
 
 
 @pytest.mark.parametrize(("name", "kind"), [("error_reaction", "error"), ("damaged", "damaged")])
@@ -192,6 +223,16 @@ def test_a_drive_stands_by_the_scale_of_its_speed() -> None:
     assert found.of("stopped") == []
 
 
+def test_a_value_of_a_standing_machine_is_no_usual_one_of_a_running_machine() -> None:
+    def say(code: int, rpm: float) -> Play:
+        return then(do("all", code, rpm), run(10))
+
+    pressure = [told("P-0-0300", about(middle, count), unit="bar") for middle, count in ((50, 100), (5, 100), (5, 30))]
+    stop = then(say(STANDS, 0.0), pressure[1], say(RUNS, 1000.0))
+    assert len(details(then(run(10), pressure[0], stop, pressure[0], pressure[2], pressure[0]), "step")) == 1
+    assert details(then(run(10), pressure[0], stop, pressure[0]), "step") == []
+
+
 # -- Masters and writes ----------------------------------------------------------------------------------------------
 
 
@@ -273,14 +314,14 @@ def test_a_visitor_hides_no_master_that_is_gone() -> None:
     assert machine.told().kinds == ["master", "vanished"]
 
 
-def test_a_slow_drive_is_told_after_half_an_hour() -> None:
+@pytest.mark.parametrize(
+    ("fast", "slow", "count"), [(14, 14, 0), (17, 17, 1), (50, 8, 1), (50, 7, 0), (8, 50, 1), (7, 50, 0)]
+)
+def test_a_slow_drive_is_told_after_eight_minutes_of_half_an_hour(fast: int, slow: int, count: int) -> None:
     """Nobody judges a shorter time."""
-
-    def slower(minutes: int) -> Play:
-        times_s = [0.010] * minutes + [0.030] * minutes
-        return then(*(then(reaction(20, reaction=judged(time_s, 0.05, 0)), pause(59.4)) for time_s in times_s))
-
-    assert (len(details(slower(14), "slower")), len(details(slower(17), "slower"))) == (0, 1)
+    times_s = [0.010] * fast + [0.030] * slow
+    minutes = (then(reaction(20, reaction=judged(time_s, 0.05, 0)), pause(59.4)) for time_s in times_s)
+    assert len(details(then(*minutes), "slower")) == count
 
 
 @pytest.mark.parametrize(("scatter_s", "count"), [(0.0002, 1), (0.006, 0)])

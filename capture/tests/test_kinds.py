@@ -157,9 +157,10 @@ def panel_alone(count: int) -> Play:
     return then(*[then(do("exchange", station=3, master=PANEL), pause(1.5))] * count)
 
 
-def silences(count: int, longer_s: float = 0.0) -> Play:
-    """Let the bus be silent in a rhythm; every second time for a little longer."""
-    talks = (then(talk(60), pause(30 + longer_s * (number % 2))) for number in range(count))
+def silences(count: int, longer_s: float = 0.0, less: int = 0) -> Play:
+    """Let the bus be silent in a rhythm; every second time for a little longer, after talking less."""
+    odds = [number % 2 for number in range(count)]
+    talks = (then(talk(60 - less * odd), pause(30 + longer_s * odd)) for odd in odds)
     return then(talk(90), *talks, talk(60))
 
 
@@ -211,6 +212,11 @@ def firmware(*texts: str, **more: Any) -> Play:
 
 def phases(*names: str) -> Play:
     return then(*(then(reaction(service=0x1D, phase=name), run(70)) for name in names))
+
+
+def served(*services: int) -> Play:
+    """Let two stations of three answer services."""
+    return then(*(do("exchange", station=station, service=service) for station in (4, 5) for service in services))
 
 
 def phase_after(seconds: float) -> Play:
@@ -290,7 +296,14 @@ CASES = (
         then(talk(9), pause(2.5), talk(18), pause(2.5), talk(2)),  # it was so at the beginning
     ),
     Case("rhythm", NOTE, silences(12), silences(11)),
+    Case(
+        *("bus_silent", ERROR),
+        then(talk(100), pause(40), talk(2)),
+        then(talk(100), pause(600), event(Event.CAPTURE_STARTED), talk(10), pause(40), talk(2)),  # another bus, perhaps
+    ),
     Case("rhythm", NOTE, silences(12, 2.5), silences(12, 4)),  # 8 and 13 % longer than the one before
+    Case("rhythm", NOTE, silences(12), silences(12, 0, 12)),  # as long, but not as far apart
+    Case("rhythm", NOTE, silences(12), silences(12, 4.12, 4)),  # as far apart, but not as long
     Case(
         *("unreadable", ERROR),
         then(run(30), do("noise", 20, every_s=0.2), run(30)),
@@ -322,7 +335,9 @@ CASES = (
     Case("boot", NOTE, then(run(30), do("boot", 4, 5)), reaction(service=0x00)),
     Case("boot", NOTE, *(do("ask", station, service=0x1D, phase="2") for station in (199, 200))),  # one; a group
     # 0xCD switches a phase only if the user has set CLC's services: then it has one
-    Case("boot", NOTE, then(run(30), do("boot", 4, 5, switch=0xCD)), then(run(30), reaction(service=0xCD))),
+    Case("boot", NOTE, then(run(30), do("boot", 4, 5, switch=0xCD)), then(run(30), served(0xCD))),
+    Case("boot", NOTE, then(run(30), served(0x00, 0x03)), then(run(30), served(0x00))),  # somebody looks who is there
+    Case("boot", NOTE, *(do("ask", 5, service=0x1D, phase="2", good=is_good) for is_good in (True, False))),
     Case("stopped", NOTE, then(run(60), do("stop", 30), run(60)), say(STANDS, 3)),
     Case("stopped", NOTE, then(run(60), do("stop", 8), run(60)), then(run(60), do("stop", 4), run(60))),
     Case("stopped", NOTE, rests(9), rests(7)),  # an indexing axis rests for less than 15 s

@@ -106,7 +106,15 @@ def command(rpm: float) -> Play:
 TRS = [{"is_reaction": True, "reaction": judged(0.01, limit_s, 0)} for limit_s in (0.05, 0.04)]
 NEXT_OF_RING = do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True)
 NEXT_KEPT = do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), text=f"a tap{KEPT}late", is_again=True)
-SLOW = [reaction(20, reaction=judged(time_s, 0.05, 0)) for time_s in [0.010] * 45 + [0.030] * 45]
+
+
+def paces(*times_s: float, station: int = 5, every_s: float = 60.0) -> Play:
+    """Let a station answer so late, each minute once; a packet has the command, too."""
+    said = [{"is_reaction": True, "reaction": judged(time_s, 0.1, 0)} for time_s in times_s]
+    return then(*(do("put", telegram(PLC, station), telegram(station, PLC, **one), after_s=every_s) for one in said))
+
+
+RISING = [0.010 + 0.020 * minute / 59 for minute in range(60)]
 
 
 CASES = (
@@ -135,6 +143,7 @@ CASES = (
         then(do("silent", 9, 5), do("exchange", station=9)),
         *("station 9", "2.0 s, 5 commands without a reaction", 0.5, 2.53),
     ),
+    Case("unanswered", then(run(30), do("silent", 3)), "station 3", ""),
     Case(
         "unanswered",
         then(run(30), do("silent", 3), event(Event.MARKER, "a lorry"), do("exchange", station=3, service=0x03)),
@@ -309,7 +318,12 @@ CASES = (
         then(command(1000), turns(1000, 400), command(1200), turns(1000, 30), turns(1200, 99)),
         *(f"station 3 {SPEED}", "200 rpm below S-0-0036; soon after the write of S-0-0036"),
     ),
-    Case("slower", then(*(then(one, pause(59.4)) for one in SLOW)), "station 5", "reaction time 10.0 -> 30.0 ms"),
+    Case(
+        "slower",
+        then(paces(0.01, station=3), paces(*[0.010] * 30, *[0.030] * 30, station=0)),
+        *("station 0", "reaction time 10.0 -> 30.0 ms", 32 * 60, 61 * 60, 0.02),
+    ),
+    Case("slower", paces(*RISING), "station 5", "reaction time 10.0 -> 30.0 ms", 60, 60 * 60, 0.02),
     # writes
     Case("write", writes("P-0-0123", (PLC, 12)), "station 5 P-0-0123", "12 rpm by master 1; still set at the end"),
     Case(
@@ -356,6 +370,7 @@ def test_what_is_said(case: Case) -> None:
     case.play(machine)
     (found,) = machine.told().of(case.kind)
     assert (found.who, found.detail) == (case.who, case.detail)
+    assert bool(found.packets) == (case.kind not in ("foreign", "vanished", "slower"))
     if case.from_s is not None:
         assert found.from_s - BEGIN_S == pytest.approx(case.from_s, abs=0.006)
     if case.to_s is not None:
@@ -390,10 +405,17 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("master", turn(9, 200)),  # a control that takes turns
     ("bus_silent", then(do("ask", 3), pause(5), talk(2))),  # nothing is known of it
     ("bus_silent", then(talk(60), pause(600), NEXT_KEPT, talk(60))),  # of a recorder
+    ("stuck", then(run(4), do("boot", 4, 5), do("answer", 3, service=0x12, phase="2"))),  # nobody switched it
+    ("stuck", then(do("boot", 4), do("ask", 3, service=0x1D, phase="4"), do("answer", 3, service=0x1D))),  # not said
     ("clock", DUPLEX),
     ("gap", then(run(30), pause(60), NEXT_OF_RING, run(30))),
+    ("gap", then(run(30), pause(60), event(Event.MARKER, "a lorry"), run(30))),
     ("limits", then(limits(0.05), reaction(good=False, reaction=judged(0.01, 0.04, 0)), limits(0.05))),
     ("limits", limits(0.05, None, 0.05)),  # a second capture that has not told them yet
+    ("slower", paces(*[0.0] * 30, *[0.030] * 30)),  # not measured
+    ("slower", paces(*[0.010, 0.030] * 30, *[0.030, 0.010] * 30, every_s=30)),  # in each minute the same
+    ("slower", paces(*RISING[:45], *RISING[44::-3])),  # as quick again at the end
+    ("slower", paces(*RISING[::4], every_s=240)),  # of an hour, fifteen minutes are known
     ("vanished", then(*[do("refuse", 5, LIMIT, "0x1001")] * 200, run(90))),  # a station is no master
     ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
     ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
@@ -591,7 +613,9 @@ def test_of_two_directions_the_shorter_silence_counts() -> None:
         silence.add(packet(float(second), telegram(PLC, 3)))
     assert silence.add(packet(39.0, telegram(PLC, 3), since_s=20.0))[0].from_s == 29  # type: ignore[index]
     assert silence.add(packet(49.0, telegram(PLC, 3), since_s=2.0)) == ()
-    silence.add(packet(50.0, type=2, event=int(Event.CAPTURE_STARTED)))
+    assert silence.add(packet(69.0, telegram(PLC, 3), since_s=7.0))[0].from_s == 62  # type: ignore[index]
+    silence.add(packet(69.5, telegram(PLC, 3)))
+    silence.add(packet(70.0, type=2, event=int(Event.CAPTURE_STARTED)))
     assert silence.under_way(90) == ()
     assert silence.add(packet(99.0, telegram(PLC, 3))) == ()  # between two captures nobody has listened
 
@@ -659,6 +683,10 @@ def word(bits: int) -> ValueReading:
     return ValueReading(None, "", "", bits)
 
 
+def code(number: int) -> ValueReading:
+    return ValueReading(None, f"0x{number:X}", "", number)
+
+
 def speed(number: float) -> ValueReading:
     return ValueReading(number, "", "rpm")
 
@@ -674,7 +702,14 @@ def test_a_drive_stands_as_its_words_say() -> None:
     assert stops((10.0, 3, "S-0-0135", word(0x4000))) == []  # nobody knows whether it ever runs
     assert stops(on, off, (43.0, 3, "S-0-0134", word(0xE000))) == []  # too short
     ready = [(20.0, 3, "S-0-0135", word(0x8000)), (30.0, 3, "S-0-0134", word(0xE000))]
+    assert stops(on, off, (60.0, 3, "S-0-0134", word(0xE000)), (63.0, 3, "S-0-0134", word(0))) == [(40, 100)]
+    assert stops((10.0, 3, "S-0-0134", word(0)), (20.0, 3, "S-0-0134", word(0xE000)), off) == [(0, 20), (40, 100)]
     assert stops(on, *ready, (50.0, 3, "S-0-0135", word(0xC000))) == [(20, 50)]  # both have to say that it runs
+
+
+def test_a_drive_with_a_warning_stands_as_it_said_before() -> None:
+    codes = {10.0: 0xA0101, 20.0: 0xA0012, 85.0: WARNING}
+    assert stops(*((at_s, 3, "S-0-0390", code(number)) for at_s, number in codes.items())) == [(20, 100)]
 
 
 @pytest.mark.parametrize("drives", [(("3/8", 0), ("3/9", 0)), (("3", 1), ("3", 2))])
@@ -707,7 +742,7 @@ def test_a_drive_stands_as_its_speed_says() -> None:
 @pytest.mark.parametrize(("code_s", "found"), [((0, 20), [(5, 100)]), ((0, 20, 70), [])])
 def test_a_speed_says_more_than_an_old_diagnosis(code_s: Sequence[int], found: Sequence[tuple[float, float]]) -> None:
     """A panel reads diagnoses only now and then."""
-    codes = [(float(second), 3, "S-0-0390", ValueReading(None, "0xA0101", "", 0xA0101)) for second in code_s]
+    codes = [(float(second), 3, "S-0-0390", code(0xA0101)) for second in code_s]
     speeds = [(float(second), 3, SPEED, speed(1000.0 * (second < 5))) for second in range(100)]
     assert stops(*sorted((*codes, *speeds), key=lambda one: one[0])) == found
 

@@ -73,7 +73,8 @@ class Machine:
     def stops(self, begin_s: float, end_s: float) -> list[tuple[float, float]]:
         """Return from when to when it stood. Until it is known for the first time, it did as then."""
         lasting: list[tuple[float, bool]] = []
-        for (since_s, running), (until_s, _) in zip(self.changes, [*self.changes[1:], (end_s, True)], strict=False):
+        ends = [*(since_s for since_s, _ in self.changes[1:]), end_s]
+        for (since_s, running), until_s in zip(self.changes, ends, strict=False):
             if until_s - since_s >= _LEAST_S and (not lasting or lasting[-1][1] != running):
                 lasting.append((since_s, running))
         ends = [*(since_s for since_s, _ in lasting[1:]), end_s]
