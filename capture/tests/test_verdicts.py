@@ -320,7 +320,7 @@ CASES = (
     ),
     Case(
         "slower",
-        then(paces(0.01, station=3), paces(*[0.010] * 30, *[0.030] * 30, station=0)),
+        then(paces(0.01, station=3), paces(*[0.009, 0.010, 0.011] * 10, *[0.029, 0.030, 0.031] * 10, station=0)),
         *("station 0", "reaction time 10.0 -> 30.0 ms", 32 * 60, 61 * 60, 0.02),
     ),
     Case("slower", paces(*RISING), "station 5", "reaction time 10.0 -> 30.0 ms", 60, 60 * 60, 0.02),
