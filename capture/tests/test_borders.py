@@ -71,7 +71,7 @@ def test_noise_is_damage_only_while_a_reaction_is_due() -> None:
     assert len(details(then(run(5), do("ask", 4), do("noise"), run(5)), "damaged")) == 1
 
 
-@pytest.mark.parametrize(("stations", "is_boot"), [((4, 5), False), ((4, 5, 6), True)])
+@pytest.mark.parametrize(("stations", "is_boot"), [((4, 5), False), ((4, 9), False), ((4, 5, 6), True)])
 def test_half_of_all_stations_are_a_machine_that_starts(stations: tuple[int, ...], *, is_boot: bool) -> None:
     found = of(then(run(30), do("boot", *stations)), 3, 4, 5, 6, 7, 8)
     assert [one.detail.partition(",")[0] for one in found.of("boot")] == ["stations 4"] * is_boot

@@ -283,6 +283,16 @@ CASES = (
         *("station 4", "silent for 2 s, identified, initialised again"),
     ),
     Case(
+        "restart",
+        then(
+            run(30),
+            do("silent", 4, 4),
+            do("exchange", station=4, service=0x03),
+            do("exchange", station=4, service=0x1D, phase="4"),
+        ),
+        *("station 4", "silent for 2 s, initialised again"),
+    ),
+    Case(
         "exchanged",
         then(*(reaction(service=0x00, columns={"sis.type_key": key}) for key in ("HCS01", "HCS02"))),
         *("station 5", "type key HCS01 -> HCS02"),
@@ -406,6 +416,8 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("bus_silent", then(do("ask", 3), pause(5), talk(2))),  # nothing is known of it
     ("bus_silent", then(talk(60), pause(600), NEXT_KEPT, talk(60))),  # of a recorder
     ("stuck", then(run(4), do("boot", 4, 5), do("answer", 3, service=0x12, phase="2"))),  # nobody switched it
+    ("stuck", then(*[do("exchange", station=station, service=0x1D, phase="2") for station in (4, 5)])),  # all are
+    ("restart", then(run(30), do("silent", 4, 4), do("exchange", station=4, service=0x1D, phase="4"))),  # a switch
     ("stuck", then(do("boot", 4), do("ask", 3, service=0x1D, phase="4"), do("answer", 3, service=0x1D))),  # not said
     ("clock", DUPLEX),
     ("gap", then(run(30), pause(60), NEXT_OF_RING, run(30))),
@@ -735,6 +747,7 @@ def test_a_drive_stands_as_its_speed_says() -> None:
         return [(float(second), 3, SPEED, speed(one)) for second, one in enumerate(speeds)]
 
     assert stops(*every_second(*[1000] * 20, *[0] * 20, *[-1000] * 20)) == [(20, 40)]
+    assert stops(*every_second(*[1000] * 20, *[-9] * 20, *[11] * 20)) == [(20, 40)]  # 1 % is at rest
     assert stops(*every_second(*[1000] * 20, *[0] * 14, *[1000] * 20)) == []
     assert stops(*every_second(*[0] * 60)) == []
 
