@@ -103,15 +103,15 @@ def command(rpm: float) -> Play:
     return do("write", 3, "S-0-0036", rpm)
 
 
-TRS = [{"is_reaction": True, "reaction": judged(0.01, limit_s, 0)} for limit_s in (0.05, 0.04)]
+TRS: list[dict[str, Any]] = [{"is_reaction": True, "reaction": judged(0.01, limit_s, 0)} for limit_s in (0.05, 0.04)]
 NEXT_OF_RING = do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True)
 NEXT_KEPT = do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), text=f"a tap{KEPT}late", is_again=True)
 
 
 def paces(*times_s: float, station: int = 5, every_s: float = 60.0) -> Play:
     """Let a station answer so late, each minute once; a packet has the command, too."""
-    said = [{"is_reaction": True, "reaction": judged(time_s, 0.1, 0)} for time_s in times_s]
-    return then(*(do("put", telegram(PLC, station), telegram(station, PLC, **one), after_s=every_s) for one in said))
+    answers = (telegram(station, PLC, is_reaction=True, reaction=judged(time_s, 0.1, 0)) for time_s in times_s)
+    return then(*(do("put", telegram(PLC, station), answer, after_s=every_s) for answer in answers))
 
 
 RISING = [0.010 + 0.020 * minute / 59 for minute in range(60)]

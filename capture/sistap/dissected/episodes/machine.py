@@ -99,7 +99,7 @@ def _diagnosis(drive: _Drive, now_s: float, ident: str, said: ValueReading) -> f
 
 
 def _speed(drive: _Drive, now_s: float, _: str, said: ValueReading) -> float:
-    """Take a speed. Since when it is so, is returned."""
+    """Take a speed."""
     if said.unit != drive.unit:  # its attribute was read: now it has another scale
         drive.unit, drive.fastest, drive.rest_s = said.unit, 0.0, None
     speed = abs(said.number or 0.0)
@@ -115,12 +115,13 @@ def _speed(drive: _Drive, now_s: float, _: str, said: ValueReading) -> float:
     return drive.rest_s
 
 
-_BY_FORM = {
+_Looks = Callable[[_Drive, float, str, ValueReading], float]  # returns since when it is so
+_BY_FORM: Mapping[str, _Looks] = {
     "control_word": partial(_word, _ENABLED),
     "status_word": partial(_word, _IN_OPERATION),
     **dict.fromkeys(("diagnosis", "diagnosis_text"), _diagnosis),
 }
-LOOKED_AT: Mapping[str, Callable[[_Drive, float, str, ValueReading], float]] = {
+LOOKED_AT: Mapping[str, _Looks] = {
     **{ident: _BY_FORM[form] for ident, form in FORMS.items() if form in _BY_FORM},
     _SPEED: _speed,
 }
