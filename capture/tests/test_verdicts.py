@@ -232,7 +232,7 @@ CASES = (
     Case("gap", then(run(30), pause(60), event(Event.CAPTURE_STARTED)), "", "62 s between two captures"),
     Case(
         "gap",  # the two directions of a bus
-        then(do("put", line=1), do("put", line=2, after_s=30), pause(60), event(Event.CAPTURE_STARTED)),
+        then(do("put", line=1), do("put", line=2, after_s=30), pause(60), *[event(Event.CAPTURE_STARTED)] * 2),
         *("", "60 s between two captures", 30, 90),
     ),
     Case(
