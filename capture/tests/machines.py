@@ -133,9 +133,9 @@ class Machine:
         """Let a drive answer."""
         self.put(telegram(station, master, is_reaction=True, **self.more | more), accesses=accesses, after_s=0.01)
 
-    def exchange(self, *accesses: Access, station: int = 0, master: int = PLC, **more: Any) -> None:
+    def exchange(self, *accesses: Access, station: int | None = None, master: int = PLC, **more: Any) -> None:
         """Ask a drive and let it answer."""
-        station = station or int(accesses[0].parameter.station.partition("/")[0])
+        station = int(accesses[0].parameter.station.partition("/")[0]) if station is None else station
         self.ask(station, master, **{key: value for key, value in more.items() if key in ("service", "phase")})
         self.answer(station, *accesses, master=master, **more)
 
@@ -167,7 +167,7 @@ class Machine:
         for _ in range(records):
             self.put(type=OTHER, after_s=every_s)
 
-    def boot(self, *stations: int, stuck: int = 0, switch: int = 0x1D) -> None:
+    def boot(self, *stations: int, stuck: int | None = None, switch: int = 0x1D) -> None:
         """Initialise drives: identification, times, phases by a service. One may stay in phase 2."""
         for station in stations or self.drives:
             self.exchange(station=station, service=0x00)

@@ -89,7 +89,7 @@ def of_itself(station: int, phase: str, times_s: tuple[float, float], firmware: 
     """Let a station say its phase, its limits TrS and TzA, and which device it is. Masters keep its TzA, too."""
     limits = {"reaction": judged(0.01, times_s[0], 0), "pause": judged(0.001, times_s[1], 0)}
     return then(
-        do("ask", station, pause=limits["pause"]),
+        do("ask", station, is_doubtful=True, pause=limits["pause"]),
         do("answer", station, service=0x12, phase=phase, **limits),
         do("answer", station, service=0x00, columns={"sis.firmware": firmware}),
         do("answer", station, service=0x00, columns={"sis.type_key": key}),
@@ -227,10 +227,10 @@ def test_a_value_of_a_standing_machine_is_no_usual_one_of_a_running_machine() ->
     def say(code: int, rpm: float) -> Play:
         return then(do("all", code, rpm), run(10))
 
-    pressure = [told("P-0-0300", about(middle, count), unit="bar") for middle, count in ((50, 100), (5, 100), (5, 30))]
-    stop = then(say(STANDS, 0.0), pressure[1], say(RUNS, 1000.0))
-    assert len(details(then(run(10), pressure[0], stop, pressure[0], pressure[2], pressure[0]), "step")) == 1
-    assert details(then(run(10), pressure[0], stop, pressure[0]), "step") == []
+    high, low = (told("P-0-0300", about(middle, 60), unit="bar") for middle in (50, 5))
+    day = then(run(10), *[then(high, say(STANDS, 0.0), low, say(RUNS, 1000.0))] * 4, high)
+    assert details(day, "step") == []
+    assert len(details(then(day, low, high), "step")) == 1
 
 
 # -- Masters and writes ----------------------------------------------------------------------------------------------

@@ -277,6 +277,7 @@ CASES = (
     ),
     Case("stuck", do("boot", stuck=4), "station 4", "stays in phase 2, others are in phase 4"),
     Case("boot", do("boot"), "", "stations 3, 4, 5, ready 5 s later"),
+    Case("boot", do("boot", 0, 3), "", "stations 0, 3, ready 3 s later", 0.02, 3.24),
     Case(
         "restart",
         then(run(30), do("silent", 4, 4), do("boot", 4)),
@@ -425,7 +426,7 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("limits", then(limits(0.05), reaction(good=False, reaction=judged(0.01, 0.04, 0)), limits(0.05))),
     ("limits", limits(0.05, None, 0.05)),  # a second capture that has not told them yet
     ("slower", paces(*[0.0] * 30, *[0.030] * 30)),  # not measured
-    ("slower", paces(*[0.010, 0.030] * 30, *[0.030, 0.010] * 30, every_s=30)),  # in each minute the same
+    ("slower", paces(*[0.010, 0.030] * 30, *[0.030, 0.010] * 29, 0.030, every_s=30)),  # in each minute the same
     ("slower", paces(*RISING[:45], *RISING[44::-3])),  # as quick again at the end
     ("slower", paces(*RISING[::4], every_s=240)),  # of an hour, fifteen minutes are known
     ("vanished", then(*[do("refuse", 5, LIMIT, "0x1001")] * 200, run(90))),  # a station is no master
@@ -747,7 +748,10 @@ def test_a_drive_stands_as_its_speed_says() -> None:
         return [(float(second), 3, SPEED, speed(one)) for second, one in enumerate(speeds)]
 
     assert stops(*every_second(*[1000] * 20, *[0] * 20, *[-1000] * 20)) == [(20, 40)]
-    assert stops(*every_second(*[1000] * 20, *[-9] * 20, *[11] * 20)) == [(20, 40)]  # 1 % is at rest
+    assert stops(*every_second(1, *[1000] * 19, *[-9] * 20, *[11] * 20)) == [(20, 40)]  # 1 % of the fastest is at rest
+    assert stops(*every_second(*[1000, 1000, 1000, 0, 0] * 20)) == []
+    others = [(float(second), station, SPEED, speed(0)) for second in range(60) for station in (4, 5, 6)]
+    assert stops(*every_second(*[1000] * 60), *others) == []  # nobody knows whether they ever turn
     assert stops(*every_second(*[1000] * 20, *[0] * 14, *[1000] * 20)) == []
     assert stops(*every_second(*[0] * 60)) == []
 

@@ -101,7 +101,7 @@ def _diagnosis(drive: _Drive, now_s: float, ident: str, said: ValueReading) -> f
 def _speed(drive: _Drive, now_s: float, _: str, said: ValueReading) -> float:
     """Take a speed."""
     if said.unit != drive.unit:  # its attribute was read: now it has another scale
-        drive.unit, drive.fastest, drive.rest_s = said.unit, 0.0, None
+        drive.unit, drive.fastest = said.unit, 0.0
     speed = abs(said.number or 0.0)
     drive.fastest = max(drive.fastest, speed)
     if not drive.fastest:

@@ -123,8 +123,7 @@ class Masters:
             is_known = master.commands >= self._thresholds.learning_commands
             if is_missed and is_known and self._commands - master.before >= _SINCE:
                 detail = f"asks nothing any more, others do ({master.commands} commands until then)"
-                from_s = max(master.to_s, self._last_s - missed_s)  # the bus may be silent after its last command
-                place = "vanished", 0, from_s, self._last_s
+                place = "vanished", 0, self._last_s - missed_s, self._last_s
                 yield Hit(*place, None, "", f"master {number} {detail}", missed_s, port=port)
 
 
