@@ -118,7 +118,9 @@ class Machine:
         """Let a packet come."""
         self.now_s += after_s
         self._number += 1
-        more = self._packets | {"accesses": [*accesses], "number": self._number} | more
+        more = self._packets | {"number": self._number} | more
+        port = more.get("interface", "")
+        more["accesses"] = [one._replace(parameter=one.parameter._replace(port=port)) for one in accesses]
         self.engine.add(packet(self.now_s, *telegrams, **more))
 
     def event(self, event: Event, text: str = "") -> None:

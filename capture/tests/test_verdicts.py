@@ -334,7 +334,11 @@ CASES = (
         then(paces(0.01, station=3), paces(*[0.009, 0.010, 0.011] * 10, *[0.029, 0.030, 0.031] * 10, station=0)),
         *("station 0", "reaction time 10.0 -> 30.0 ms", 32 * 60, 61 * 60, 0.02),
     ),
-    Case("slower", paces(*RISING), "station 5", "reaction time 10.0 -> 30.0 ms", 60, 60 * 60, 0.02),
+    Case(
+        "slower",  # of an hour, sixteen minutes are known
+        paces(*RISING[::4], RISING[-1], every_s=240),
+        *("station 5", "reaction time 10.0 -> 30.0 ms", 240, 16 * 240, 0.02),
+    ),
     # writes
     Case("write", writes("P-0-0123", (PLC, 12)), "station 5 P-0-0123", "12 rpm by master 1; still set at the end"),
     Case(
@@ -377,10 +381,12 @@ CASES = (
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.kind}-{case.detail[:20]}")
 def test_what_is_said(case: Case) -> None:
-    machine = Machine()
+    """There is a second port, whose bus is another one."""
+    machine = Machine(interface="b")
+    machine.engine.add(packet(BEGIN_S, interface="a"))
     case.play(machine)
     (found,) = machine.told().of(case.kind)
-    assert (found.who, found.detail) == (case.who, case.detail)
+    assert (found.who, found.detail, found.hit.port) == (case.who, case.detail, "b")
     assert bool(found.packets) == (case.kind not in ("foreign", "vanished", "slower"))
     if case.from_s is not None:
         assert found.from_s - BEGIN_S == pytest.approx(case.from_s, abs=0.006)
@@ -428,7 +434,7 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("slower", paces(*[0.0] * 30, *[0.030] * 30)),  # not measured
     ("slower", paces(*[0.010, 0.030] * 30, *[0.030, 0.010] * 29, 0.030, every_s=30)),  # in each minute the same
     ("slower", paces(*RISING[:45], *RISING[44::-3])),  # as quick again at the end
-    ("slower", paces(*RISING[::4], every_s=240)),  # of an hour, fifteen minutes are known
+    ("slower", paces(*RISING[::4], every_s=240)),  # fifteen
     ("vanished", then(*[do("refuse", 5, LIMIT, "0x1001")] * 200, run(90))),  # a station is no master
     ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
     ("step", then(command(1000), turns(1000, 90), event(Event.CAPTURE_STARTED, f"tap{KEPT}late"), turns(1200, 90))),
