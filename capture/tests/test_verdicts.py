@@ -143,6 +143,11 @@ CASES = (
         then(do("silent", 9, 5), do("exchange", station=9)),
         *("station 9", "2.0 s, 5 commands without a reaction", 0.5, 2.53),
     ),
+    Case(
+        "silent",  # between two captures nobody has listened
+        then(run(30), do("silent", 4, 4), pause(3600), event(Event.CAPTURE_STARTED), run(30)),
+        *("station 4", "1.0 s, 3 commands without a reaction", 30.5, 31.5),
+    ),
     Case("unanswered", then(run(30), do("silent", 3)), "station 3", ""),
     Case(
         "unanswered",

@@ -57,8 +57,7 @@ class BusSilence:
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return the silence before a packet."""
         if packet.type == EVENT:
-            is_seam = packet.event in (Event.CAPTURE_STARTED, Event.ADAPTER_LOST) and not packet.is_again
-            if is_seam or packet.is_kept_apart:
+            if packet.is_seam or packet.event == Event.ADAPTER_LOST:
                 self._last = None
             return ()
         last, self._last = self._last, packet
@@ -137,7 +136,7 @@ class StationSilence:
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return silences that end with a packet."""
-        hits: list[Hit] = list(self._part(packet.interface)) if packet.is_kept_apart else []
+        hits: list[Hit] = list(self._part(packet.interface)) if packet.is_seam else []
         telegrams = packet.telegrams
         is_good = telegrams and telegrams[0].good  # nearly always
         if not is_good and packet.type != EVENT and not any(telegram.good for telegram in telegrams):
@@ -174,7 +173,7 @@ class StationSilence:
             yield from self._told(port, station, asked)
 
     def _part(self, port: str) -> Iterator[Hit]:
-        """Yield silences that last to the end of a kept file, and forget them; its last reaction may be missing."""
+        """Yield silences that last to the end of a capture, and forget them; its last reaction may be missing."""
         self._pending = None
         yield from self._last(port)
         self._stations = {station: _Asked(has_answered=one.has_answered) for station, one in self._stations.items()}

@@ -109,7 +109,7 @@ class TapTroubles:
         """Return what a packet says of it."""
         if packet.type == EVENT:
             end_s = None if packet.is_kept_apart else max(self._ends_s.values(), default=None)
-            if packet.event == Event.CAPTURE_STARTED and (packet.is_kept_apart or not packet.is_again):
+            if packet.is_seam:
                 self._ends_s = {}  # the other line of the tap begins at once: one gap is told
             return self._event(packet, end_s)
         end_s = self._ends_s.get(packet.line)
