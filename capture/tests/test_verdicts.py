@@ -765,6 +765,7 @@ def test_a_drive_stands_as_its_speed_says() -> None:
     assert stops(*every_second(*[1000] * 60), *others) == []  # nobody knows whether they ever turn
     assert stops(*every_second(*[1000] * 20, *[0] * 14, *[1000] * 20)) == []
     assert stops(*every_second(*[0] * 60)) == []
+    assert stops((10.0, 3, SPEED, ValueReading(None, "010203"))) == []
 
 
 @pytest.mark.parametrize(("code_s", "found"), [((0, 20), [(5, 100)]), ((0, 20, 70), [])])
