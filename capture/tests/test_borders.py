@@ -134,6 +134,12 @@ def test_the_restart_of_one_station_of_few_is_no_initialisation_of_the_machine(d
     assert "restart" in kinds and "boot" not in kinds
 
 
+def test_two_stations_that_restart_are_told_one_by_one() -> None:
+    silent = then(do("silent", 3, 4), do("silent", 4, 4))
+    found = of(then(run(30), silent, do("boot", 3, 4), run(90)), 3, 4, 5, 6, 7).of("restart")
+    assert [one.who for one in found] == ["station 3", "station 4"]
+
+
 @pytest.mark.parametrize(("name", "kind"), [("error_reaction", "error"), ("damaged", "damaged")])
 def test_a_fault_of_another_protocol_has_no_station(name: str, kind: str) -> None:
     """Of ECODRIVE's ASCII protocol, say: the packet has no telegram."""
@@ -327,6 +333,16 @@ def test_a_slow_drive_is_told_after_eight_minutes_of_half_an_hour(fast: int, slo
     times_s = [0.010] * fast + [0.030] * slow
     minutes = (then(reaction(20, reaction=judged(time_s, 0.05, 0)), pause(59.4)) for time_s in times_s)
     assert len(details(then(*minutes), "slower")) == count
+
+
+def test_two_stations_that_answer_slower_are_told_one_by_one() -> None:
+    slow = [
+        do("exchange", station=station, reaction=judged(time_s, 0.05, 0))
+        for time_s in [0.010] * 17 + [0.030] * 17
+        for station in (3, 4)
+    ]
+    found = of(then(*(then(one, pause(30)) for one in slow))).of("slower")
+    assert [one.who for one in found] == ["station 3", "station 4"]
 
 
 @pytest.mark.parametrize(("scatter_s", "count"), [(0.0002, 1), (0.006, 0)])

@@ -235,6 +235,7 @@ CASES = (
         *("station 5", "TrS 50 -> 40 ms"),
     ),
     Case("gap", then(run(30), pause(60), event(Event.CAPTURE_STARTED)), "", "62 s between two captures"),
+    Case("adapter", event(Event.ADAPTER_LOST, "unplugged"), "", "unplugged", 0, 0),
     Case(
         "gap",  # the two directions of a bus
         then(do("put", line=1), do("put", line=2, after_s=30), pause(60), *[event(Event.CAPTURE_STARTED)] * 2),
@@ -599,6 +600,8 @@ def test_a_silence_that_lasts_is_told_once() -> None:
     assert (hit.kind, hit.from_s, hit.to_s, hit.detail) == ("bus_silent", 29, 32.1, "3.1 s: cable or master off?")
     assert hit.worst == pytest.approx(3.1)
     assert silence.under_way(40) == ()
+    silence.add(packet(40.5, type=EVENT, event=int(Event.MARKER)))
+    assert silence.under_way(41) == ()
     assert [one.from_s for one in silence.add(packet(42.0, telegram(PLC, 3)))] == [29]
     assert len([*silence.under_way(60)]) == 1  # the next one
 
