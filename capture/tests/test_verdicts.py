@@ -283,6 +283,7 @@ CASES = (
     ),
     Case("stuck", do("boot", stuck=4), "station 4", "stays in phase 2, others are in phase 4"),
     Case("boot", do("boot"), "", "stations 3, 4, 5, ready 5 s later"),
+    Case("boot", then(do("boot", 3, 4), NEXT_OF_RING, do("boot", 5)), "", "stations 3, 4, 5, ready 5 s later"),
     Case("boot", do("boot", 0, 3), "", "stations 0, 3, ready 3 s later", 0.02, 3.24),
     Case(
         "restart",
@@ -428,6 +429,7 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("master", turn(9, 200)),  # a control that takes turns
     ("bus_silent", then(do("ask", 3), pause(5), talk(2))),  # nothing is known of it
     ("bus_silent", then(talk(60), pause(600), NEXT_KEPT, talk(60))),  # of a recorder
+    ("bus_silent", then(talk(60), event(Event.ADAPTER_LOST, "unplugged"), pause(600), talk(60))),  # nobody listens
     ("stuck", then(run(4), do("boot", 4, 5), do("answer", 3, service=0x12, phase="2"))),  # nobody switched it
     ("stuck", then(*[do("exchange", station=station, service=0x1D, phase="2") for station in (4, 5)])),  # all are
     ("restart", then(run(30), do("silent", 4, 4), do("exchange", station=4, service=0x1D, phase="4"))),  # a switch
