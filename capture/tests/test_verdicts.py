@@ -734,6 +734,8 @@ def test_a_drive_stands_as_its_words_say() -> None:
     assert stops(on, off, (60.0, 3, "S-0-0134", word(0xE000)), (63.0, 3, "S-0-0134", word(0))) == [(40, 100)]
     assert stops((10.0, 3, "S-0-0134", word(0)), (20.0, 3, "S-0-0134", word(0xE000)), off) == [(0, 20), (40, 100)]
     assert stops(on, *ready, (50.0, 3, "S-0-0135", word(0xC000))) == [(20, 50)]  # both have to say that it runs
+    status = [(at_s, 3, "S-0-0135", word(0xC000)) for at_s in (20.0, 75.0)]
+    assert stops((10.0, 3, "S-0-0134", word(0)), *status) == [(0, 75)]  # but not the one of a minute ago
 
 
 def test_a_drive_with_a_warning_stands_as_it_said_before() -> None:

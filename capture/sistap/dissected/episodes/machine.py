@@ -18,7 +18,7 @@ _SPEED = "S-0-0040"
 _REST = 0.01  # of the fastest: slower is at rest
 _REST_S = 15.0  # an indexing axis rests for less
 _PART = 3  # a machine runs if one of so many drives runs
-_FRESH_S = 60.0  # a diagnosis that is older says less than a speed
+_FRESH_S = 60.0  # a diagnosis that is older says less than a speed; a word, less than the other word
 _LEAST_S = 5.0  # shorter stops and runs are none
 
 
@@ -26,7 +26,7 @@ _LEAST_S = 5.0  # shorter stops and runs are none
 class _Drive:
     """What is known of a drive; None: nothing."""
 
-    words: dict[str, bool] = field(default_factory=dict)  # what control and status word say
+    words: dict[str, tuple[float, bool]] = field(default_factory=dict)  # what control and status word say, and when
     code: bool | None = None  # of the diagnosis
     code_s: float = 0.0  # when it was read
     speed: bool | None = None
@@ -38,7 +38,8 @@ class _Drive:
     def is_running(self, now_s: float) -> bool | None:
         """Tell it by what says it best. A panel may read diagnoses only now and then."""
         if self.words:
-            return all(self.words.values())
+            newest_s = max(said_s for said_s, _ in self.words.values())
+            return all(running for said_s, running in self.words.values() if newest_s - said_s < _FRESH_S)
         is_fresh = self.speed is None or now_s - self.code_s < _FRESH_S
         return self.code if self.code is not None and is_fresh else self.speed
 
@@ -85,9 +86,9 @@ class Machine:
 
 
 def _word(bits: int, drive: _Drive, now_s: float, ident: str, said: ValueReading) -> float:
-    """Take a word: a drive runs if all these bits of each are set."""
+    """Take a word. A drive runs if all these bits of it are set."""
     if said.bits is not None:
-        drive.words[ident] = said.bits & bits == bits
+        drive.words[ident] = now_s, said.bits & bits == bits
     return now_s
 
 
