@@ -148,6 +148,11 @@ CASES = (
         then(run(30), do("silent", 4, 4), pause(3600), event(Event.CAPTURE_STARTED), run(30)),
         *("station 4", "1.0 s, 3 commands without a reaction", 30.5, 31.5),
     ),
+    Case(
+        "silent",  # it answers only in the second file
+        then(do("silent", 9, 3, every_s=0.2), NEXT_KEPT, do("exchange", station=9), do("silent", 9, 3)),
+        *("station 9", "1.0 s, 3 commands without a reaction; not heard again"),
+    ),
     Case("unanswered", then(run(30), do("silent", 3)), "station 3", ""),
     Case(
         "unanswered",
