@@ -135,9 +135,9 @@ class Machine:
         """Let a drive answer."""
         self.put(telegram(station, master, is_reaction=True, **self.more | more), accesses=accesses, after_s=0.01)
 
-    def exchange(self, *accesses: Access, station: int = 0, master: int | None = PLC, **more: Any) -> None:
+    def exchange(self, *accesses: Access, station: int | None = None, master: int | None = PLC, **more: Any) -> None:
         """Ask a drive and let it answer."""
-        station = station or int(accesses[0].parameter.station.partition("/")[0])
+        station = int(accesses[0].parameter.station.partition("/")[0]) if station is None else station
         self.ask(station, master, **{key: value for key, value in more.items() if key in ("service", "phase")})
         self.answer(station, *accesses, master=master, **more)
 
@@ -169,7 +169,7 @@ class Machine:
         for _ in range(records):
             self.put(type=OTHER, after_s=every_s)
 
-    def boot(self, *stations: int, stuck: int = 0, switch: int = 0x1D) -> None:
+    def boot(self, *stations: int, stuck: int | None = None, switch: int = 0x1D) -> None:
         """Initialise drives: identification, times, phases by a service. One may stay in phase 2."""
         for station in stations or self.drives:
             self.exchange(station=station, service=0x00)
@@ -250,6 +250,6 @@ class Told:
         return [(one.kind, one.severity) for one in self.episodes if one.severity >= Severity.WARNING]
 
 
-def judged(time_s: float, limit_s: float, verdict: int) -> Judged:
+def judged(time_s: float, limit_s: float | None, verdict: int) -> Judged:
     """Return a time with its limit."""
     return Judged(time_s, limit_s, verdict)

@@ -191,8 +191,8 @@ def test_files_of_a_ring_are_one_capture(play: Play) -> None:
     """Each begins with the event that began the first one, and somebody marks it; here in seven places at most."""
 
     def begins(first: Packet) -> Sequence[Packet]:
-        again = packet(first.epoch_s, type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True)
-        return again, packet(first.epoch_s, type=EVENT, event=int(Event.MARKER), text="a lorry passes")
+        again, mark = ({"event": int(code), "baud": first.baud} for code in (Event.CAPTURE_STARTED, Event.MARKER))
+        return packet(first.epoch_s, type=EVENT, is_again=True, **again), packet(first.epoch_s, type=EVENT, **mark)
 
     heard = packets(play)
     length = max(3, len(heard) // 7)

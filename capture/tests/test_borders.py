@@ -14,6 +14,7 @@ from machines import (
     PLC,
     RUNS,
     SPEED,
+    STANDS,
     Machine,
     Told,
     access,
@@ -121,7 +122,7 @@ def test_two_damaged_telegrams_in_a_packet_are_two() -> None:
     assert damaged.count == 2
 
 
-@pytest.mark.parametrize(("stations", "is_boot"), [((4, 5), False), ((4, 5, 6), True)])
+@pytest.mark.parametrize(("stations", "is_boot"), [((4, 5), False), ((4, 9), False), ((4, 5, 6), True)])
 def test_half_of_all_stations_are_a_machine_that_starts(stations: tuple[int, ...], *, is_boot: bool) -> None:
     found = of(then(run(30), do("boot", *stations)), 3, 4, 5, 6, 7, 8)
     assert [one.detail.partition(",")[0] for one in found.of("boot")] == ["stations 4"] * is_boot
@@ -129,9 +130,65 @@ def test_half_of_all_stations_are_a_machine_that_starts(stations: tuple[int, ...
 
 def test_a_long_initialisation_is_one() -> None:
     """Its steps are within a minute of one another; all of it takes longer."""
-    (boot,) = of(then(do("boot", 3), run(50), do("boot", 4), run(50), do("boot", 5))).of("boot")
+    marker = event(Event.MARKER, "a lorry")
+    (boot,) = of(then(do("boot", 3), run(50), do("boot", 4), marker, run(50), do("boot", 5))).of("boot")
     assert boot.detail.startswith("stations 3, 4, 5, ready 1")
     assert boot.to_s - boot.from_s == pytest.approx(105, abs=2)
+
+
+def of_itself(station: int, phase: str, times_s: tuple[float, float], firmware: str, key: str) -> Play:
+    """Let a station say its phase, its limits TrS and TzA, and which device it is. Masters keep its TzA, too."""
+    limits = {"reaction": judged(0.01, times_s[0], 0), "pause": judged(0.001, times_s[1], 0)}
+    return then(
+        do("ask", station, is_doubtful=True, pause=limits["pause"]),
+        do("answer", station, service=0x12, phase=phase, **limits),
+        do("answer", station, service=0x00, columns={"sis.firmware": firmware}),
+        do("answer", station, service=0x00, columns={"sis.type_key": key}),
+    )
+
+
+def test_what_a_station_says_of_itself_is_no_change_of_another() -> None:
+    """Nor is it one where a good capture says the same."""
+    before = of_itself(0, "2", (0.05, 0.002), "FWA-1", "HCS01"), of_itself(5, "3", (0.04, 0.003), "FWA-2", "HCS02")
+    switched = then(do("ask", 4, service=0x1D, phase="4"), do("answer", 4, service=0x1D))
+    after = of_itself(0, "3", (0.06, 0.001), "FWA-3", "HCS03"), of_itself(5, "3", (0.06, 0.003), "FWA-2", "HCS02")
+    machine = Machine()
+    then(do("answer", 4), *before, *before)(machine)
+    assert machine.finish() == []
+    another = Machine(before=machine.engine, baud=19200)
+    changes = [
+        "station 0: 2 -> 3",
+        "station 0: TrS 50 -> 60 ms",
+        "station 0: TzA 2 -> 1 ms",
+        "station 0: firmware FWA-1 -> FWA-3",
+        "station 0: type key HCS01 -> HCS03",
+        "station 4: unknown -> 4",
+        "station 5: TrS 40 -> 60 ms",
+    ]
+    for one, more in ((another, [": 9600 -> 19200 Bd"]), (machine, [])):
+        then(do("answer", 4), switched, *after)(one)
+        assert sorted(f"{found.who}: {found.detail}" for found in one.finish()) == more + changes
+
+
+def test_an_initialisation_to_another_phase_is_one_too() -> None:
+    stations = (then(do("exchange", station=station, service=0x1D, phase="2"), run(50)) for station in (3, 4, 5))
+    assert details(then(run(4), *stations), "boot") == [": stations 3, 4, 5"]
+
+
+def test_two_captures_have_two_initialisations() -> None:
+    assert len(details(then(do("boot"), event(Event.CAPTURE_STARTED), do("boot")), "boot")) == 2
+
+
+@pytest.mark.parametrize("drives", [(3,), (3, 4)])
+def test_the_restart_of_one_station_of_few_is_no_initialisation_of_the_machine(drives: tuple[int, ...]) -> None:
+    kinds = of(then(run(30), do("silent", 3, 4), do("boot", 3), run(90)), *drives).kinds
+    assert "restart" in kinds and "boot" not in kinds
+
+
+def test_two_stations_that_restart_are_told_one_by_one() -> None:
+    silent = then(do("silent", 3, 4), do("silent", 4, 4))
+    found = of(then(run(30), silent, do("boot", 3, 4), run(90)), 3, 4, 5, 6, 7).of("restart")
+    assert [one.who for one in found] == ["station 3", "station 4"]
 
 
 @pytest.mark.parametrize(("name", "kind"), [("error_reaction", "error"), ("damaged", "damaged")])
@@ -350,6 +407,16 @@ def test_an_emergency_stop_lasts_as_long_as_one_drive_says_so(last: int) -> None
     assert [one.detail for one in machine.told().of("estop")] == ["F4034; still so when last read"]
 
 
+def test_a_value_of_a_standing_machine_is_no_usual_one_of_a_running_machine() -> None:
+    def say(code: int, rpm: float) -> Play:
+        return then(do("all", code, rpm), run(10))
+
+    high, low = (told("P-0-0300", about(middle, 60), unit="bar") for middle in (50, 5))
+    day = then(run(10), *[then(high, say(STANDS, 0.0), low, say(RUNS, 1000.0))] * 4, high)
+    assert details(day, "step") == []
+    assert len(details(then(day, low, high), "step")) == 1
+
+
 # -- Masters and writes ----------------------------------------------------------------------------------------------
 
 
@@ -559,14 +626,33 @@ def test_after_a_silence_of_the_bus_no_master_is_gone() -> None:
     assert details(then(run(450), pause(300), seldom), "vanished") == []
 
 
-def test_a_slow_drive_is_told_after_half_an_hour() -> None:
+def test_a_visitor_hides_no_master_that_is_gone() -> None:
+    """He asks first; who usually asks is known from a good capture."""
+    good = Machine()
+    good.run(10)
+    machine = Machine(before=good.engine)
+    then(do("exchange", station=3, master=LAPTOP), run(420), run(80, has_panel=False))(machine)
+    assert machine.told().kinds == ["master", "vanished"]
+
+
+@pytest.mark.parametrize(
+    ("fast", "slow", "count"), [(14, 14, 0), (17, 17, 1), (50, 8, 1), (50, 7, 0), (8, 50, 1), (7, 50, 0)]
+)
+def test_a_slow_drive_is_told_after_eight_minutes_of_half_an_hour(fast: int, slow: int, count: int) -> None:
     """Nobody judges a shorter time."""
+    times_s = [0.010] * fast + [0.030] * slow
+    minutes = (then(reaction(20, reaction=judged(time_s, 0.05, 0)), pause(59.4)) for time_s in times_s)
+    assert len(details(then(*minutes), "slower")) == count
 
-    def slower(minutes: int) -> Play:
-        times_s = [0.010] * minutes + [0.030] * minutes
-        return then(*(then(reaction(20, reaction=judged(time_s, 0.05, 0)), pause(59.4)) for time_s in times_s))
 
-    assert (len(details(slower(14), "slower")), len(details(slower(17), "slower"))) == (0, 1)
+def test_two_stations_that_answer_slower_are_told_one_by_one() -> None:
+    slow = [
+        do("exchange", station=station, reaction=judged(time_s, 0.05, 0))
+        for time_s in [0.010] * 17 + [0.030] * 17
+        for station in (3, 4)
+    ]
+    found = of(then(*(then(one, pause(30)) for one in slow))).of("slower")
+    assert [one.who for one in found] == ["station 3", "station 4"]
 
 
 @pytest.mark.parametrize(("scatter_s", "count"), [(0.0002, 1), (0.006, 0)])

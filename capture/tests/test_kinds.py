@@ -154,9 +154,14 @@ def talk(count: int) -> Play:
     return then(*[then(do("exchange", station=3), pause(1))] * count)
 
 
-def silences(count: int, longer_s: float = 0.0) -> Play:
-    """Let the bus be silent in a rhythm; every second time for a little longer."""
-    talks = (then(talk(60), pause(30 + longer_s * (number % 2))) for number in range(count))
+def panel_alone(count: int) -> Play:
+    return then(*[then(do("exchange", station=3, master=PANEL), pause(1.5))] * count)
+
+
+def silences(count: int, longer_s: float = 0.0, less: int = 0) -> Play:
+    """Let the bus be silent in a rhythm; every second time for a little longer, after talking less."""
+    odds = [number % 2 for number in range(count)]
+    talks = (then(talk(60 - less * odd), pause(30 + longer_s * odd)) for odd in odds)
     return then(talk(90), *talks, talk(60))
 
 
@@ -212,12 +217,17 @@ def phases(*names: str) -> Play:
     return then(*(then(reaction(service=0x1D, phase=name), run(70)) for name in names))
 
 
+def served(*services: int) -> Play:
+    """Let two stations of three answer services."""
+    return then(*(do("exchange", station=station, service=service) for station in (4, 5) for service in services))
+
+
 def phase_after(seconds: float) -> Play:
     """Let a station be in another phase, so long after it was told to go on in its own."""
     return then(reaction(service=0x1D, phase="2"), pause(seconds - 0.03), reaction(service=0x12, phase="1"))
 
 
-def limits(*limits_s: float) -> Play:
+def limits(*limits_s: float | None) -> Play:
     return then(*(reaction(reaction=judged(0.01, limit_s, 0)) for limit_s in limits_s))
 
 
@@ -298,8 +308,20 @@ CASES = (
         then(run(60, 0.5), pause(10), do("put")),
         then(run(60, 0.5), do("put", since_s=10.0)),  # of its line; the other one was heard
     ),
+    Case(
+        *("bus_silent", ERROR),
+        then(talk(30), pause(2.5), talk(2)),
+        then(talk(9), pause(2.5), talk(18), pause(2.5), talk(2)),  # it was so at the beginning
+    ),
     Case("rhythm", NOTE, silences(12), silences(11)),
+    Case(
+        *("bus_silent", ERROR),
+        then(talk(100), pause(40), talk(2)),
+        then(talk(100), pause(600), event(Event.CAPTURE_STARTED), talk(10), pause(40), talk(2)),  # another bus, perhaps
+    ),
     Case("rhythm", NOTE, silences(12, 2.5), silences(12, 4)),  # 8 and 13 % longer than the one before
+    Case("rhythm", NOTE, silences(12), silences(12, 0, 12)),  # as long, but not as far apart
+    Case("rhythm", NOTE, silences(12), silences(12, 4.12, 4)),  # as far apart, but not as long
     Case(
         *("unreadable", ERROR),
         then(run(30), do("noise", 20, every_s=0.2), run(30)),
@@ -331,7 +353,9 @@ CASES = (
     Case("boot", NOTE, then(run(30), do("boot", 4, 5)), reaction(service=0x00)),
     Case("boot", NOTE, *(do("ask", station, service=0x1D, phase="2") for station in (199, 200))),  # one; a group
     # 0xCD switches a phase only if the user has set CLC's services: then it has one
-    Case("boot", NOTE, then(run(30), do("boot", 4, 5, switch=0xCD)), then(run(30), reaction(service=0xCD))),
+    Case("boot", NOTE, then(run(30), do("boot", 4, 5, switch=0xCD)), then(run(30), served(0xCD))),
+    Case("boot", NOTE, then(run(30), served(0x00, 0x03)), then(run(30), served(0x00))),  # somebody looks who is there
+    Case("boot", NOTE, *(do("ask", 5, service=0x1D, phase="2", good=is_good) for is_good in (True, False))),
     Case("stopped", NOTE, then(run(60), do("stop", 30), run(60)), say(STANDS, 3)),
     Case("stopped", NOTE, then(run(60), do("stop", 8), run(60)), then(run(60), do("stop", 4), run(60))),
     Case("stopped", NOTE, rests(9), rests(7)),  # an indexing axis rests for less than 15 s
@@ -345,6 +369,12 @@ CASES = (
         *("vanished", LOOK),
         then(run(420), *PAUSES, run(180, has_panel=False)),
         then(run(420), *PAUSES, run(140, has_panel=False)),  # it pauses for 32 s
+    ),
+    Case("vanished", LOOK, *(then(run(420), panel_alone(count)) for count in (55, 45))),  # others ask fifty times
+    Case(
+        *("vanished", LOOK),
+        then(run(420), pause(300), run(60), run(80, has_panel=False)),
+        then(run(420), pause(300), run(2, has_panel=False), pause(300), run(20, has_panel=False)),  # nobody can ask
     ),
     Case(
         *("restart", LOOK),
@@ -437,6 +467,7 @@ CASES = (
     Case("write", NOTE, writes("P-0-0123", (PLC, 12)), writes("S-0-0134", (PLC, 12))),  # the master control word
     Case("master", NOTE, asked(LAPTOP, before_s=122), asked(LAPTOP, before_s=100)),
     Case("master", NOTE, asked(LAPTOP, before_s=122), then(run(122), do("ask", PLC, LAPTOP), run(60))),  # a token
+    Case("master", NOTE, *(then(talk(count), do("exchange", station=3, master=LAPTOP)) for count in (200, 199))),
     Case("phase", LOOK, phases("4", "2"), phases("4", "4")),
     Case("phase", LOOK, then(phases("2"), phase_after(11)), then(phases("2"), phase_after(9))),
     Case(

@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from machines import access, undescribed
 
 from sistap.dissected.episodes.readings import RAW, ValueReading, class_of, code_of, is_running, raw_number, reading
+from sistap.dissected.episodes.standard import FOLLOWS, FORMS, LIMITS
+from sistap.tap.sis.names import S_NAMES
 
 WORDS = b"\x05\x00\x05\x00"  # the length of a text, and the longest
 
@@ -107,3 +111,26 @@ def test_the_class_of_a_diagnosis(code: str, letter: str, *, runs: bool | None) 
 )
 def test_a_command_and_what_follows_it_are_compared_as_bytes(data: bytes, number: int | None) -> None:
     assert raw_number(undescribed(3, "S-0-0040", data)) == number
+
+
+def test_standard_parameters_are_what_wireshark_names_them() -> None:
+    named = {name: f"S-0-{number:04}" for number, name in S_NAMES.items()}
+    assert {ident for name, ident in named.items() if name.endswith("limit value")} == LIMITS
+    positions = [ident for ident, form in FORMS.items() if form == "position"]
+    assert positions == [ident for name, ident in named.items() if re.match("Position .* value(?! status)", name)]
+    assert FOLLOWS == {
+        named["Velocity feedback value 1"]: named["Velocity command value"],
+        named["Torque feedback value"]: named["Torque command value"],
+    }
+    forms = {
+        "DiagnosticNumber": "diagnosis",
+        "Diagnostic message": "diagnosis_text",
+        "Class 1 diagnostic": "error_bits",
+        "Class 2 diagnostic": "warning_bits",
+        "Drive control": "control_word",
+        "Drive status": "status_word",
+        "Position feedback value status": "referenced",
+        "Interface status": "bits",
+        "Reset class 1 diagnostic": "bits",
+    }
+    assert {name: FORMS[named[name]] for name in forms} == forms

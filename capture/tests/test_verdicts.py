@@ -41,6 +41,7 @@ from test_kinds import (
     behind,
     event,
     flips,
+    limits,
     pause,
     phases,
     reaction,
@@ -54,7 +55,7 @@ from test_kinds import (
     writes,
 )
 
-from sistap.dissected.accesses.access import Access
+from sistap.dissected.accesses.access import Access, Parameter
 from sistap.dissected.episodes.engine import Engine
 from sistap.dissected.episodes.episode import Episode, Hit
 from sistap.dissected.episodes.levels import Levels, goes_on
@@ -67,7 +68,7 @@ from sistap.dissected.episodes.silence import BusSilence, StationSilence
 from sistap.dissected.episodes.trend import Slots, quartiles, trend
 from sistap.dissected.episodes.values import unlike
 from sistap.dissected.packets.dissection import EXCEEDED, UNRESOLVED
-from sistap.dissected.wireshark.rows import OTHER
+from sistap.dissected.wireshark.rows import EVENT, OTHER
 from sistap.tap.line.settings import Flag
 from sistap.tap.records.record import KEPT, Event
 from sistap.tap.sis.faults import FAULTS
@@ -82,6 +83,7 @@ class Case(NamedTuple):
     detail: str
     from_s: float | None = None
     to_s: float | None = None
+    worst: float | None = None
 
 
 def is_late(kind: str, time_s: float, limit_s: float, verdict: int = EXCEEDED, **more: Any) -> Play:
@@ -151,10 +153,29 @@ stretched = telegram(5, PLC, is_reaction=True, faults=[fault for fault in FAULTS
 SLOW = [reaction(20, reaction=judged(time_s, 0.05, 0)) for time_s in [0.010] * 45 + [0.030] * 45]
 
 
+TRS: list[dict[str, Any]] = [{"is_reaction": True, "reaction": judged(0.01, limit_s, 0)} for limit_s in (0.05, 0.04)]
+NEXT_OF_RING = do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True)
+NEXT_KEPT = do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), text=f"a tap{KEPT}late", is_again=True)
+
+
+def paces(*times_s: float, station: int = 5, every_s: float = 60.0) -> Play:
+    """Let a station answer so late, each minute once; a packet has the command, too."""
+    answers = (telegram(station, PLC, is_reaction=True, reaction=judged(time_s, 0.1, 0)) for time_s in times_s)
+    return then(*(do("put", telegram(PLC, station), answer, after_s=every_s) for answer in answers))
+
+
+RISING = [0.010 + 0.020 * minute / 59 for minute in range(60)]
+
+
 CASES = (
     # silences
-    Case("bus_silent", then(talk(60), pause(10), talk(2)), "", "11 s: cable or master off?", 60.8, 71.82),
-    Case("bus_silent", then(talk(60), pause(5), talk(2)), "", "6.0 s: cable or master off?"),
+    Case("bus_silent", then(talk(60), pause(9), talk(2)), "", "10 s: cable or master off?", 60.8, 70.82),
+    Case("bus_silent", then(talk(60), pause(8), talk(2)), "", "9.0 s: cable or master off?"),
+    Case(
+        "bus_silent",
+        then(talk(60), pause(3), event(Event.MARKER, "a lorry"), pause(3), NEXT_OF_RING, pause(3), talk(2)),
+        *("", "10 s: cable or master off?"),
+    ),
     Case(
         "silent",
         then(run(30), do("silent", 4, 4, every_s=2), do("exchange", station=4)),
@@ -166,8 +187,28 @@ CASES = (
         "station 4",
         "1.0 s, 3 commands without a reaction; not heard again",
     ),
-    Case("silent", do("silent", 9, 5), "station 9", "never answered 5 commands"),
-    Case("unanswered", then(run(30), do("silent", 3), reaction()), "station 3", ""),
+    Case("silent", do("silent", 9, 5), "station 9", "never answered 5 commands", 0.5, 2.5),
+    Case(
+        "silent",
+        then(do("silent", 9, 5), do("exchange", station=9)),
+        *("station 9", "2.0 s, 5 commands without a reaction", 0.5, 2.53),
+    ),
+    Case(
+        "silent",  # between two captures nobody has listened
+        then(run(30), do("silent", 4, 4), pause(3600), event(Event.CAPTURE_STARTED), run(30)),
+        *("station 4", "1.0 s, 3 commands without a reaction", 30.5, 31.5),
+    ),
+    Case(
+        "silent",  # it answers only in the second file
+        then(do("silent", 9, 3, every_s=0.2), NEXT_KEPT, do("exchange", station=9), do("silent", 9, 3)),
+        *("station 9", "1.0 s, 3 commands without a reaction; not heard again"),
+    ),
+    Case("unanswered", then(run(30), do("silent", 3)), "station 3", ""),
+    Case(
+        "unanswered",
+        then(run(30), do("silent", 3), event(Event.MARKER, "a lorry"), do("exchange", station=3, service=0x03)),
+        *("station 3", ""),
+    ),
     Case(
         "repeated",
         then(run(30), do("silent", 3), do("ask", 3, is_repeat=True), do("answer", 3)),
@@ -180,12 +221,22 @@ CASES = (
     Case(
         "master",
         then(run(130), do("exchange", access(4, SPEED, 1.0, master=LAPTOP), master=LAPTOP), do("ask", 3, LAPTOP)),
-        *("", "master 127 asked stations 3, 4: 2 commands, 1 value read, 0 written"),
+        *("", "master 127 asked stations 3, 4: 2 commands, 1 value read, 0 written", 130.02, 130.05),
     ),
     Case(
         "master",
-        then(run(130), do("write", 3, "P-0-0123", 5.0, master=LAPTOP)),
-        *("", "master 127 asked station 3: 1 command, 0 values read, 1 written"),
+        then(run(130), do("write", 0, "P-0-0123", 5.0, master=0)),
+        *("", "master 0 asked station 0: 1 command, 0 values read, 1 written"),
+    ),
+    Case(
+        "master",
+        then(run(130), *[do("exchange", station=3, master=LAPTOP)] * 200),
+        *("", "master 127 asked station 3: 200 commands, 0 values read, 0 written"),
+    ),
+    Case(
+        "vanished",
+        then(run(450), pause(300), run(80, has_panel=False)),
+        *("", "master 2 asks nothing any more, others do (225 commands until then)", 750.02, 828.17),
     ),
     # single telegrams
     Case("late", is_late("reaction", 0.06, 0.05), "station 5", "60.000 ms, TrS 50 ms", 0.03, 0.03),
@@ -248,20 +299,37 @@ CASES = (
     Case("warning_bit", do("ask", 5, signs=("warning_bit",)), "station 1", ""),  # the sender has it
     # states
     Case("phase", phases("4", "2"), "station 5", "4 -> 2"),
-    Case("rate", then(reaction(), do("put", baud=19200)), "", "9600 -> 19200 Bd"),
+    Case("rate", then(reaction(), *[do("put", baud=19200)] * 2), "", "9600 -> 19200 Bd"),
     Case("rate", then(reaction(), do("put", baud=None), do("put", baud=4800)), "", "9600 -> 4800 Bd"),
     Case(
         "limits",
         then(*(reaction(pause=judged(0.001, limit_s, 0)) for limit_s in (0.002, 0.003))),
         *("station 5", "TzA 2 -> 3 ms"),
     ),
+    Case(
+        "limits",
+        then(*(do("put", telegram(PLC, 5), telegram(5, PLC, **said)) for said in TRS)),
+        *("station 5", "TrS 50 -> 40 ms"),
+    ),
     Case("gap", then(run(30), pause(60), event(Event.CAPTURE_STARTED)), "", "62 s between two captures"),
-    Case("clock", stamped(37), "", "+37 s", 37.05, 37.05),
-    Case("clock", stamped(-37), "", "-37 s", -36.95, 0.05),
+    Case("adapter", event(Event.ADAPTER_LOST, "unplugged"), "", "unplugged", 0, 0),
+    Case(
+        "gap",  # the two directions of a bus
+        then(do("put", line=1), do("put", line=2, after_s=30), pause(60), *[event(Event.CAPTURE_STARTED)] * 2),
+        *("", "60 s between two captures", 30, 90),
+    ),
+    Case(
+        "gap",  # the second capture is the older one
+        then(do("put", after_s=100), pause(-40), event(Event.CAPTURE_STARTED)),
+        *("", "-40 s between two captures", 60, 60),
+    ),
+    Case("clock", stamped(37), "", "+37 s", 37.05, 37.05, 37),
+    Case("clock", stamped(-37), "", "-37 s", -36.95, 0.05, -37),
+    Case("clock", stamped(-37, None), "", "-37 s", -36.95, 0.03, -36.98),
     Case(
         "clock",
-        event(Event.MARKER, "system time jumped by -2.5 s"),
-        *("", "-2.5 s; the times of the capture go on without the jump"),
+        then(reaction(), event(Event.MARKER, "system time jumped by -2.5 s")),
+        *("", "-2.5 s; the times of the capture go on without the jump", 0.03, 0.03, -2.5),
     ),
     Case("unreadable", then(run(30), do("noise", 21, every_s=0.2), reaction(3)), "", "21 records are no telegrams"),
     Case("unreadable", then(do("noise", 21, every_s=0.2), reaction(3)), "", "21 records are no telegrams", 0.2, 4.2),
@@ -322,10 +390,22 @@ CASES = (
     Case("homing", reads(*BIT, *BIT[:1]), "station 5", UNREFERENCED, 0.06, 0.09),
     Case("stuck", do("boot", stuck=4), "station 4", "stays in phase 2, others are in phase 4"),
     Case("boot", do("boot"), "", "stations 3, 4, 5, ready 5 s later"),
+    Case("boot", then(do("boot", 3, 4), NEXT_OF_RING, do("boot", 5)), "", "stations 3, 4, 5, ready 5 s later"),
+    Case("boot", do("boot", 0, 3), "", "stations 0, 3, ready 3 s later", 0.02, 3.24),
     Case(
         "restart",
         then(run(30), do("silent", 4, 4), do("boot", 4)),
         *("station 4", "silent for 2 s, identified, initialised again"),
+    ),
+    Case(
+        "restart",
+        then(
+            run(30),
+            do("silent", 4, 4),
+            do("exchange", station=4, service=0x03),
+            do("exchange", station=4, service=0x1D, phase="4"),
+        ),
+        *("station 4", "silent for 2 s, initialised again"),
     ),
     Case(
         "exchanged",
@@ -473,13 +553,32 @@ CASES = (
         then(command(1000), turns(1000, 400), command(1200), turns(1000, 30), turns(1200, 99)),
         *(f"station 3 {SPEED}", "200 rpm below S-0-0036; soon after the write of S-0-0036"),
     ),
-    Case("slower", then(*(then(one, pause(59.4)) for one in SLOW)), "station 5", "reaction time 10.0 -> 30.0 ms"),
+    Case(
+        "slower",
+        then(paces(0.01, station=3), paces(*[0.009, 0.010, 0.011] * 10, *[0.029, 0.030, 0.031] * 10, station=0)),
+        *("station 0", "reaction time 10.0 -> 30.0 ms", 32 * 60, 61 * 60, 0.02),
+    ),
+    Case(
+        "slower",  # of an hour, sixteen minutes are known
+        paces(*RISING[::4], RISING[-1], every_s=240),
+        *("station 5", "reaction time 10.0 -> 30.0 ms", 240, 16 * 240, 0.02),
+    ),
     # writes
     Case("write", writes("P-0-0123", (PLC, 12)), "station 5 P-0-0123", "12 rpm by master 1; still set at the end"),
     Case(
         "write",
         writes("P-0-0123", (LAPTOP, 12)),
         *("station 5 P-0-0123", "12 rpm by new master 127; still set at the end"),
+    ),
+    Case(
+        "write",
+        writes("P-0-0123", (0, 12)),
+        *("station 5 P-0-0123", "12 rpm by new master 0; still set at the end"),
+    ),
+    Case(
+        "write",
+        then(run(150), do("put", accesses=[access(5, "P-0-0123", 12, master=None, is_write=True)])),
+        *("station 5 P-0-0123", "12 rpm by ASCII; still set at the end"),
     ),
     Case(
         "write",
@@ -556,11 +655,13 @@ CASES = (
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.kind}-{case.detail[:20]}")
 def test_what_is_said(case: Case) -> None:
-    machine = Machine()
+    """There is a second port, whose bus is another one."""
+    machine = Machine(interface="b")
+    machine.engine.add(packet(BEGIN_S, interface="a"))
     case.play(machine)
     (found,) = machine.told().of(case.kind)
-    assert (found.who, found.detail) == (case.who, case.detail)
-    if case.kind in ("foreign", "drift", "slower", "stopped"):
+    assert (found.who, found.detail, found.hit.port) == (case.who, case.detail, "b")
+    if case.kind in ("foreign", "drift", "slower", "stopped", "vanished"):
         assert found.packets == []  # it is of the whole capture
     elif case.kind not in ("bus_silent", "gap", "restart"):  # they begin with a silence
         assert machine.times_s[found.packets[0]] == pytest.approx(found.from_s, abs=0.006)
@@ -568,6 +669,8 @@ def test_what_is_said(case: Case) -> None:
         assert found.from_s - BEGIN_S == pytest.approx(case.from_s, abs=0.006)
     if case.to_s is not None:
         assert found.to_s - BEGIN_S == pytest.approx(case.to_s, abs=0.006)
+    if case.worst is not None:
+        assert found.hit.worst == pytest.approx(case.worst, abs=0.006)
 
 
 def turn(master: int, commands: int) -> Play:
@@ -577,6 +680,13 @@ def turn(master: int, commands: int) -> Play:
 
 
 STATE = [access(5, "P-0-0222", str(value)) for value in [1] * 20 + [0] * 3 + [1] * 20 + [2]]
+
+# Two commands without a reaction between two reactions: each direction has its own time.
+DUPLEX = then(
+    do("put", line=2, intervals_s=[0.01] * 100),  # it takes a second
+    *[do("put", line=1, after_s=1.0)] * 3,
+    do("put", line=2, after_s=0.01, since_s=2.01),
+)
 
 # What is no news, and of which kind it would be.
 QUIET: Sequence[tuple[str, Play]] = (
@@ -595,6 +705,23 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("unreadable", then(*[do("put", after_s=0.2)] * 40)),  # frames of another protocol
     ("drift", told("S-0-0051", RISES, every_s=30, unit="mm")),  # a position
     ("master", turn(9, 200)),  # a control that takes turns
+    ("bus_silent", then(do("ask", 3), pause(5), talk(2))),  # nothing is known of it
+    ("bus_silent", then(talk(60), pause(600), NEXT_KEPT, talk(60))),  # of a recorder
+    ("bus_silent", then(talk(60), event(Event.ADAPTER_LOST, "unplugged"), pause(600), talk(60))),  # nobody listens
+    ("stuck", then(run(4), do("boot", 4, 5), do("answer", 3, service=0x12, phase="2"))),  # nobody switched it
+    ("stuck", then(*[do("exchange", station=station, service=0x1D, phase="2") for station in (4, 5)])),  # all are
+    ("restart", then(run(30), do("silent", 4, 4), do("exchange", station=4, service=0x1D, phase="4"))),  # a switch
+    ("stuck", then(do("boot", 4), do("ask", 3, service=0x1D, phase="4"), do("answer", 3, service=0x1D))),  # not said
+    ("clock", DUPLEX),
+    ("gap", then(run(30), pause(60), NEXT_OF_RING, run(30))),
+    ("gap", then(run(30), pause(60), event(Event.MARKER, "a lorry"), run(30))),
+    ("limits", then(limits(0.05), reaction(good=False, reaction=judged(0.01, 0.04, 0)), limits(0.05))),
+    ("limits", limits(0.05, None, 0.05)),  # a second capture that has not told them yet
+    ("slower", paces(*[0.0] * 30, *[0.030] * 30)),  # not measured
+    ("slower", paces(*[0.010, 0.030] * 30, *[0.030, 0.010] * 29, 0.030, every_s=30)),  # in each minute the same
+    ("slower", paces(*RISING[:45], *RISING[44::-3])),  # as quick again at the end
+    ("slower", paces(*RISING[::4], every_s=240)),  # fifteen
+    ("vanished", then(*[do("refuse", 5, LIMIT, "0x1001")] * 200, run(90))),  # a station is no master
     ("master", then(run(150), do("put", telegram(99, 3, good=False)), run(60))),  # its address may be damaged, too
     ("step", then(command(1000), turns(1000, 90), NEXT_FILE, turns(1200, 90))),
     ("error", refuse(0x10)),  # what is asked for is not known
@@ -631,17 +758,25 @@ def test_a_visitor_with_a_token_is_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("masters", "said"),
+    ("masters", "said", "visits"),
     [
-        ((103, 104), ["station 3 P-0-0123 12 rpm by new master 103", "station 4 P-0-0123 12 rpm by new master 104"]),
-        ((103, 103), ["stations 3, 4 P-0-0123 12 rpm by new master 103"]),
+        (
+            (103, 104),
+            ["station 3 P-0-0123 12 rpm by new master 103", "station 4 P-0-0123 12 rpm by new master 104"],
+            [[1051], [1053]],  # before it, 75 cycles of 14 packets
+        ),
+        ((103, 103), ["stations 3, 4 P-0-0123 12 rpm by new master 103"], [[1051]]),
     ],
 )
-def test_what_visitors_write_at_once_is_told_by_its_author(masters: tuple[int, int], said: Sequence[str]) -> None:
+def test_what_visitors_write_at_once_is_told_by_its_author(
+    masters: tuple[int, int], said: Sequence[str], visits: Sequence[Sequence[int]]
+) -> None:
     machine = Machine()
     stations = zip((3, 4), masters, strict=True)
     then(run(150), *(do("write", station, "P-0-0123", 12, master=master) for station, master in stations))(machine)
-    assert [f"{one.who} {one.detail.partition(';')[0]}" for one in machine.told().of("write")] == said
+    told = machine.told()
+    assert [f"{one.who} {one.detail.partition(';')[0]}" for one in told.of("write")] == said
+    assert [one.packets for one in told.of("master")] == visits
 
 
 @pytest.mark.parametrize(("falls", "count"), [(0, 0), (1, 0), (2, 1)])
@@ -792,10 +927,12 @@ def test_what_is_only_a_note_is_not_told_at_once(more: dict[str, Any], count: in
 def test_a_visitor_is_told_at_once_but_not_his_tokens() -> None:
     live = LiveEpisodes()
     for second in range(250):
-        live.add(packet(BEGIN_S + second, telegram(PLC, 3)))
+        assert live.add(packet(BEGIN_S + second, telegram(PLC, 3))) == []
     assert live.add(packet(BEGIN_S + 250, telegram(LAPTOP, PLC, service=0x0F))) == []
     (hit,) = live.add(packet(BEGIN_S + 251, telegram(LAPTOP, 3)))
     assert (hit.kind, hit.station, hit.detail) == ("master", 3, "asked by new master 127")
+    assert len(live.add(packet(BEGIN_S + 252, telegram(126, 3)))) == 1  # another one
+    assert live.add(packet(BEGIN_S + 253, telegram(LAPTOP, 3))) == []
 
 
 # -- While it happens ------------------------------------------------------------------------------------------------
@@ -823,7 +960,10 @@ def test_a_silence_that_lasts_is_told_once() -> None:
     assert silence.under_way(31.9) == () and silence.under_way(32) == ()  # 3 s; three times as long as usual
     (hit,) = silence.under_way(32.1)
     assert (hit.kind, hit.from_s, hit.to_s, hit.detail) == ("bus_silent", 29, 32.1, "3.1 s: cable or master off?")
+    assert hit.worst == pytest.approx(3.1)
     assert silence.under_way(40) == ()
+    silence.add(packet(40.5, type=EVENT, event=int(Event.MARKER)))
+    assert silence.under_way(41) == ()
     assert [one.from_s for one in silence.add(packet(42.0, telegram(PLC, 3)))] == [29]
     assert len([*silence.under_way(60)]) == 1  # the next one
 
@@ -835,7 +975,9 @@ def test_a_bus_that_was_heard_for_a_quarter_of_an_hour_is_known() -> None:
         silence = BusSilence()
         for second in range(heard_s + 1):
             silence.add(packet(float(second), telegram(PLC, 3)))
+        under_way = [*silence.under_way(float(heard_s + silence_s))]
         (hit,) = silence.add(packet(float(heard_s + silence_s), telegram(PLC, 3)))
+        assert len(under_way) == (hit.severity is None)  # a note is told only afterwards
         return hit.severity
 
     assert severity(100, 50) is None and severity(100, 51) == Severity.NOTE
@@ -860,16 +1002,19 @@ def test_of_two_directions_the_shorter_silence_counts() -> None:
         silence.add(packet(float(second), telegram(PLC, 3)))
     assert silence.add(packet(39.0, telegram(PLC, 3), since_s=20.0))[0].from_s == 29  # type: ignore[index]
     assert silence.add(packet(49.0, telegram(PLC, 3), since_s=2.0)) == ()
-    silence.add(packet(50.0, type=2, event=int(Event.CAPTURE_STARTED)))
+    assert silence.add(packet(69.0, telegram(PLC, 3), since_s=7.0))[0].from_s == 62  # type: ignore[index]
+    silence.add(packet(69.5, telegram(PLC, 3)))
+    silence.add(packet(70.0, type=2, event=int(Event.CAPTURE_STARTED)))
+    assert silence.under_way(90) == ()
     assert silence.add(packet(99.0, telegram(PLC, 3))) == ()  # between two captures nobody has listened
 
 
 def ask(silence: StationSilence, second: float, *, unanswered: bool = True, **more: bool) -> Sequence[Hit]:
-    return [*silence.add(packet(second, telegram(PLC, 4, unanswered=unanswered, **more), number=int(second)))]
+    return [*silence.add(packet(second, telegram(PLC, 0, unanswered=unanswered, **more), number=int(second)))]
 
 
 def answer(silence: StationSilence, second: float) -> Sequence[Hit]:
-    return [*silence.add(packet(second, telegram(4, PLC, is_reaction=True), number=int(second)))]
+    return [*silence.add(packet(second, telegram(0, PLC, is_reaction=True), number=int(second)))]
 
 
 def test_a_station_that_is_silent_while_it_happens() -> None:
@@ -919,12 +1064,16 @@ def stops(*said: tuple[float, int, str, ValueReading]) -> list[tuple[float, floa
     """Return from when to when it stood within 100 s."""
     drives = Drives()
     for now_s, station, ident, tells in said:
-        drives.add(now_s, station, ident, tells)
+        drives.add(now_s, Parameter("", str(station), 0, ident), tells)
     return drives.stops(0, 100)
 
 
 def word(bits: int) -> ValueReading:
     return ValueReading(None, "", "", bits)
+
+
+def code(number: int) -> ValueReading:
+    return ValueReading(None, f"0x{number:X}", "", number)
 
 
 def speed(number: float) -> ValueReading:
@@ -941,6 +1090,26 @@ def test_a_drive_stands_as_its_words_say() -> None:
     assert stops((10.0, 3, "S-0-0135", word(0x4000)), (40.0, 3, "S-0-0135", word(0xC000))) == [(0, 40)]
     assert stops((10.0, 3, "S-0-0135", word(0x4000))) == []  # nobody knows whether it ever runs
     assert stops(on, off, (43.0, 3, "S-0-0134", word(0xE000))) == []  # too short
+    ready = [(20.0, 3, "S-0-0135", word(0x8000)), (30.0, 3, "S-0-0134", word(0xE000))]
+    assert stops(on, off, (60.0, 3, "S-0-0134", word(0xE000)), (63.0, 3, "S-0-0134", word(0))) == [(40, 100)]
+    assert stops((10.0, 3, "S-0-0134", word(0)), (20.0, 3, "S-0-0134", word(0xE000)), off) == [(0, 20), (40, 100)]
+    assert stops(on, *ready, (50.0, 3, "S-0-0135", word(0xC000))) == [(20, 50)]  # both have to say that it runs
+    status = [(at_s, 3, "S-0-0135", word(0xC000)) for at_s in (20.0, 75.0)]
+    assert stops((10.0, 3, "S-0-0134", word(0)), *status) == [(0, 75)]  # but not the one of a minute ago
+
+
+def test_a_drive_with_a_warning_stands_as_it_said_before() -> None:
+    codes = {10.0: 0xA0101, 20.0: 0xA0012, 85.0: WARNING}
+    assert stops(*((at_s, 3, "S-0-0390", code(number)) for at_s, number in codes.items())) == [(20, 100)]
+
+
+@pytest.mark.parametrize("drives", [(("3/8", 0), ("3/9", 0)), (("3", 1), ("3", 2))])
+def test_of_two_drives_behind_a_station_each_says_whether_it_runs(drives: Sequence[tuple[str, int]]) -> None:
+    """One of them runs all the time, and the other one stands."""
+    machine = Drives()
+    for number in range(10):
+        machine.add(10.0 * number, Parameter("", *drives[number % 2], "S-0-0134"), word(0xE000 * (1 - number % 2)))
+    assert machine.stops(0, 100) == []
 
 
 def test_a_machine_runs_if_a_third_of_its_drives_do() -> None:
@@ -957,8 +1126,21 @@ def test_a_drive_stands_as_its_speed_says() -> None:
         return [(float(second), 3, SPEED, speed(one)) for second, one in enumerate(speeds)]
 
     assert stops(*every_second(*[1000] * 20, *[0] * 20, *[-1000] * 20)) == [(20, 40)]
+    assert stops(*every_second(1, *[1000] * 19, *[-9] * 20, *[11] * 20)) == [(20, 40)]  # 1 % of the fastest is at rest
+    assert stops(*every_second(*[1000, 1000, 1000, 0, 0] * 20)) == []
+    others = [(float(second), station, SPEED, speed(0)) for second in range(60) for station in (4, 5, 6)]
+    assert stops(*every_second(*[1000] * 60), *others) == []  # nobody knows whether they ever turn
     assert stops(*every_second(*[1000] * 20, *[0] * 14, *[1000] * 20)) == []
     assert stops(*every_second(*[0] * 60)) == []
+    assert stops((10.0, 3, SPEED, ValueReading(None, "010203"))) == []
+
+
+@pytest.mark.parametrize(("code_s", "found"), [((0, 20), [(5, 100)]), ((0, 20, 70), [])])
+def test_a_speed_says_more_than_an_old_diagnosis(code_s: Sequence[int], found: Sequence[tuple[float, float]]) -> None:
+    """A panel reads diagnoses only now and then."""
+    codes = [(float(second), 3, "S-0-0390", code(0xA0101)) for second in code_s]
+    speeds = [(float(second), 3, SPEED, speed(1000.0 * (second < 5))) for second in range(100)]
+    assert stops(*sorted((*codes, *speeds), key=lambda one: one[0])) == found
 
 
 # -- Levels, lines, and their chance ---------------------------------------------------------------------------------

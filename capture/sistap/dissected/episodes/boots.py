@@ -11,7 +11,6 @@ from sistap.dissected.episodes.episode import Hit, numbers
 from sistap.dissected.episodes.faults import slave
 from sistap.dissected.packets.dissection import Packet, Telegram
 from sistap.dissected.wireshark.rows import EVENT
-from sistap.tap.records.record import Event
 from sistap.tap.sis.codes import LIKE, LIKE_IF_SET
 
 _IDENTIFY, _SET = 0x00, 0x03
@@ -50,8 +49,7 @@ class Boots:
         if boot and packet.epoch_s - boot.last_s > _APART_S:
             hits += self.finish(packet.interface)
         if packet.type == EVENT:
-            is_seam = packet.event == Event.CAPTURE_STARTED and not packet.is_again
-            return [*hits, *self.finish(packet.interface)] if is_seam else hits
+            return [*hits, *self.finish(packet.interface)] if packet.is_seam else hits
         for telegram in packet.telegrams:
             if telegram.good and (telegram.service in STEPS or telegram.phase):
                 self._step(packet, telegram)

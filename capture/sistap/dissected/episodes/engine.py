@@ -114,7 +114,7 @@ class Bus:
                 continue
             ident = access.parameter.ident
             if ident in machine.LOOKED_AT:
-                self.machine.add(packet.epoch_s, access.parameter._replace(ident=""), ident, said)
+                self.machine.add(packet.epoch_s, access.parameter, said)
             if ident in diagnoses.LOOKED_AT:
                 hits += self.diagnoses.add(packet, access, said)
             running = self.machine.is_running

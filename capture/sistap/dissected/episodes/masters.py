@@ -123,8 +123,8 @@ class Masters:
             is_known = master.commands >= self._thresholds.learning_commands
             if is_missed and is_known and self._commands - master.before >= _SINCE:
                 detail = f"asks nothing any more, others do ({master.commands} commands until then)"
-                at = self._last_s - missed_s if missed_s < self._last_s - master.to_s else master.to_s
-                yield Hit("vanished", 0, at, self._last_s, None, "", f"master {number} {detail}", missed_s, port=port)
+                place = "vanished", 0, self._last_s - missed_s, self._last_s
+                yield Hit(*place, None, "", f"master {number} {detail}", missed_s, port=port)
 
 
 def _visit(port: str, number: int, master: _Master) -> Hit:

@@ -91,7 +91,7 @@ class Paces:
 
     def _jump(self, points: _Points) -> _Change | None:
         """Return a jump after which all are above all before."""
-        for place in range(_LEAST // 2, len(points) - _LEAST // 2):
+        for place in range(_LEAST // 2, len(points) - _LEAST // 2 + 1):
             before, after = ([value for _, value in part] for part in (points[:place], points[place:]))
             first_s, last_s = statistics.median(before), statistics.median(after)
             if min(after) > max(before) and last_s - first_s >= self._least(first_s):

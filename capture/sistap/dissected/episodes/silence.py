@@ -57,8 +57,7 @@ class BusSilence:
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return the silence before a packet."""
         if packet.type == EVENT:
-            is_seam = packet.event in (Event.CAPTURE_STARTED, Event.ADAPTER_LOST) and not packet.is_again
-            if is_seam or packet.is_kept_apart:
+            if packet.is_seam or packet.event == Event.ADAPTER_LOST:
                 self._last = None
             return ()
         last, self._last = self._last, packet
@@ -118,7 +117,7 @@ class _Asked:
     """A station, and its commands without a reaction since it last answered."""
 
     count: int = 0
-    repeats: int = 0
+    is_repeated: bool = False
     from_s: float = 0.0
     to_s: float = 0.0
     first: int = 0  # packet
@@ -137,7 +136,7 @@ class StationSilence:
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return silences that end with a packet."""
-        hits: list[Hit] = list(self._part(packet.interface)) if packet.is_kept_apart else []
+        hits: list[Hit] = list(self._part(packet.interface)) if packet.is_seam else []
         telegrams = packet.telegrams
         is_good = telegrams and telegrams[0].good  # nearly always
         if not is_good and packet.type != EVENT and not any(telegram.good for telegram in telegrams):
@@ -150,19 +149,16 @@ class StationSilence:
                 elif telegram.unanswered:
                     self._pending = packet, telegram
                 elif telegram.is_repeat and telegram.listener in self._stations:
-                    self._stations[telegram.listener].repeats += 1
+                    self._stations[telegram.listener].is_repeated = True
         return hits
 
     def command(self, packet: Packet) -> Iterable[Hit]:
         """Take a command that was answered."""
-        if self._pending:
-            self._resolve()
+        self._resolve()
         return ()
 
     def reaction(self, packet: Packet) -> Iterable[Hit]:
         """Take a good reaction."""
-        if self._pending:
-            self._resolve()
         return self._answered(packet, packet.telegrams[0])
 
     def finish(self, port: str) -> Iterator[Hit]:
@@ -177,7 +173,7 @@ class StationSilence:
             yield from self._told(port, station, asked)
 
     def _part(self, port: str) -> Iterator[Hit]:
-        """Yield silences that last to the end of a kept file, and forget them; its last reaction may be missing."""
+        """Yield silences that last to the end of a capture, and forget them; its last reaction may be missing."""
         self._pending = None
         yield from self._last(port)
         self._stations = {station: _Asked(has_answered=one.has_answered) for station, one in self._stations.items()}
@@ -193,7 +189,7 @@ class StationSilence:
         if not asked.count:
             asked.from_s, asked.first = packet.epoch_s, packet.number
         asked.count += 1
-        asked.repeats += telegram.is_repeat
+        asked.is_repeated |= telegram.is_repeat
         asked.to_s = packet.ended_s
         self._grown = telegram.listener
 
@@ -208,7 +204,7 @@ class StationSilence:
             return ()
         asked = self._stations.get(telegram.talker)
         if asked and not asked.count and asked.has_answered:
-            asked.repeats = 0
+            asked.is_repeated = False
             return ()
         self._stations[telegram.talker] = _Asked(has_answered=True)
         if not asked:
@@ -226,6 +222,6 @@ class StationSilence:
             kind, detail = "silent", f"{seconds(lasted_s)}, {asked.count} commands without a reaction"
             if not asked.has_answered:
                 detail, severity = f"never answered {asked.count} commands", Severity.WARNING
-        elif asked.repeats:
+        elif asked.is_repeated:
             kind, detail = "repeated", "a command without a reaction"
         yield Hit(kind, asked.first, asked.from_s, asked.to_s, station, "", detail, float(asked.count), severity, port)

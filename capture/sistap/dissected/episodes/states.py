@@ -108,11 +108,12 @@ class TapTroubles:
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return what a packet says of it."""
         if packet.type == EVENT:
-            if packet.is_kept_apart:  # neither a gap nor a jump
-                self._ends_s = {}
-            return self._event(packet, max(self._ends_s.values(), default=None))
+            end_s = None if packet.is_kept_apart else max(self._ends_s.values(), default=None)
+            if packet.is_seam:
+                self._ends_s = {}  # the other line of the tap begins at once: one gap is told
+            return self._event(packet, end_s)
         end_s = self._ends_s.get(packet.line)
-        self._ends_s[packet.line] = packet.epoch_s + packet.length_s
+        self._ends_s[packet.line] = packet.ended_s
         if end_s is None:
             return ()
         if packet.since_s is not None:

@@ -214,6 +214,12 @@ class Packet:
         return self.type == EVENT and self.event == Event.CAPTURE_STARTED and KEPT in self.text
 
     @property
+    def is_seam(self) -> bool:
+        """Tell whether a capture begins here, or a file kept apart: what came just before it is in none."""
+        is_start = self.type == EVENT and self.event == Event.CAPTURE_STARTED
+        return is_start and (not self.is_again or self.is_kept_apart)
+
+    @property
     def is_of_one_read(self) -> bool:
         """Tell whether it came as a whole, as all of a log does: the length of none of its intervals is known."""
         return 0 < len(self.intervals_s) <= self.same_read
