@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import chain
 from operator import attrgetter
+from typing import Any
 
 import pytest
 import test_kinds
@@ -191,8 +192,8 @@ def test_files_of_a_ring_are_one_capture(play: Play) -> None:
     """Each begins with the event that began the first one, and somebody marks it; here in seven places at most."""
 
     def begins(first: Packet) -> Sequence[Packet]:
-        again, mark = ({"event": int(code), "baud": first.baud} for code in (Event.CAPTURE_STARTED, Event.MARKER))
-        return packet(first.epoch_s, type=EVENT, is_again=True, **again), packet(first.epoch_s, type=EVENT, **mark)
+        said: dict[str, Any] = {"type": EVENT, "baud": first.baud, "is_again": True}
+        return [packet(first.epoch_s, event=int(code), **said) for code in (Event.CAPTURE_STARTED, Event.MARKER)]
 
     heard = packets(play)
     length = max(3, len(heard) // 7)
