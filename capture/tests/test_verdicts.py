@@ -311,7 +311,12 @@ CASES = (
         then(*(do("put", telegram(PLC, 5), telegram(5, PLC, **said)) for said in TRS)),
         *("station 5", "TrS 50 -> 40 ms"),
     ),
-    Case("gap", then(run(30), pause(60), event(Event.CAPTURE_STARTED)), "", "62 s between two captures"),
+    Case(
+        "gap",
+        then(run(30), event(Event.MARKER, "now"), pause(60), event(Event.CAPTURE_STARTED)),
+        "",
+        "62 s between two captures",
+    ),
     Case("adapter", event(Event.ADAPTER_LOST, "unplugged"), "", "unplugged", 0, 0),
     Case(
         "gap",  # the two directions of a bus
@@ -713,6 +718,7 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("restart", then(run(30), do("silent", 4, 4), do("exchange", station=4, service=0x1D, phase="4"))),  # a switch
     ("stuck", then(do("boot", 4), do("ask", 3, service=0x1D, phase="4"), do("answer", 3, service=0x1D))),  # not said
     ("clock", DUPLEX),
+    ("clock", then(reaction(), NEXT_KEPT, do("put", since_s=5.0, after_s=600))),  # its last character is in no file
     ("gap", then(run(30), pause(60), NEXT_OF_RING, run(30))),
     ("gap", then(run(30), pause(60), event(Event.MARKER, "a lorry"), run(30))),
     ("limits", then(limits(0.05), reaction(good=False, reaction=judged(0.01, 0.04, 0)), limits(0.05))),
