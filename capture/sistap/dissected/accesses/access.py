@@ -46,7 +46,9 @@ class Access(NamedTuple):
     @property
     def plain(self) -> float | str | None:
         """Return the value as a number without its unit, if it is one. None: it was refused, or is not known."""
-        return (self.value or None) if self.number is None else self.number
+        if self.error or not self.value:
+            return None
+        return self.value if self.number is None else self.number
 
     @property
     def whole(self) -> str | None:
