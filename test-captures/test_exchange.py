@@ -232,6 +232,11 @@ ROUTES_INTERLEAVED: Table = {
     16: "reaction_in=18",
     18: "command_in=16",
     19: "routed_from=17",
+    # 20 is lost, and sent again
+    21: "reaction_in=24",
+    22: "reaction_in=23; routed_from=21",
+    23: "command_in=22",
+    24: "command_in=21; routed_from=23",
 }
 
 EXCHANGES_SWAPPED: Table = {

@@ -262,17 +262,18 @@ def test_stations() -> None:
 
 
 def test_each_station_has_its_own_longest_interval() -> None:
-    """Station 5 never pauses as long as 3, and 3 exceeds TzA at two rates."""
+    """Station 5 never pauses as long as 3, and 3 exceeds TzA at three rates."""
+    slow = zip((5, 20, 9), (9600, 19200, 38400), strict=True)
     made = report(
-        *(at(n, paused(20, 2.0, EXCEEDED), baud=baud) for n, baud in enumerate((9600, 19200))),
-        at(2, telegram(5, PLC, is_reaction=True, pause=judged(1.2 * MS, 2 * MS, OK))),
-        at(3, telegram(PLC, 5)),
+        *(at(n, paused(ms, 2.0, EXCEEDED), baud=baud) for n, (ms, baud) in enumerate(slow)),
+        at(3, telegram(5, PLC, is_reaction=True, pause=judged(1.2 * MS, 2 * MS, OK))),
+        at(4, telegram(PLC, 5)),
     )
     table = tables.stations(made)
     heads = "Station", "Longest interval in a telegram", "TzA exceeded"
     assert [[row(table, head, number) for head in heads] for number in range(3)] == [
         ["1", "", "0"],
-        ["3", "20.000 ms", "2"],
+        ["3", "20.000 ms", "3"],
         ["5", "1.200 ms", "0"],
     ]
 

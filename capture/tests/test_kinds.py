@@ -127,15 +127,15 @@ def late(to_s: float, from_s: float = 0.010) -> Play:
     return then(*(then(reaction(20, reaction=judged(time_s, 0.05, 0)), pause(59.4)) for time_s in times_s))
 
 
-def behind(rpm: float, seconds: int, *, is_named: bool = False) -> Play:
+def behind(rpm: float, seconds: int, *, is_named: bool = False, usual: float = 1000.0) -> Play:
     """Let a speed be near its command for long, and then be another for a while. Nobody knows their scale; or somebody
     reads it between the two.
     """
-    speeds = [1000.0] * 60 + [rpm] * seconds + [1000.0] * 10
-    said = [undescribed(3, SPEED, round(one * 10_000).to_bytes(4, "little")) for one in speeds]
+    speeds = [usual] * 60 + [rpm] * seconds + [usual] * 10
+    said = [undescribed(3, SPEED, round(one * 10_000).to_bytes(4, "little", signed=True)) for one in speeds]
     if is_named:
         said[60:] = [access(3, SPEED, one) for one in speeds[60:]]
-    return then(do("write", 3, "S-0-0036", 1000.0), reads(*said, every_s=0.97))
+    return then(do("write", 3, "S-0-0036", usual), reads(*said, every_s=0.97))
 
 
 def flips(count: int, every_s: float = 10.0, rests: int = 8) -> Play:

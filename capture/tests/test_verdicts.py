@@ -47,6 +47,7 @@ from test_kinds import (
     reaction,
     reads,
     refused,
+    rests,
     run,
     stamped,
     talk,
@@ -424,6 +425,8 @@ CASES = (
     Case("beyond", told(SPEED, [-3002], **IN_LIMITS), f"station 3 {SPEED}", "-3002 rpm, its minimum is -3000 rpm"),
     Case("apart", behind(500, 30), f"station 3 {SPEED}", "50 % below S-0-0036", 60.06, 89.06),
     Case("apart", behind(1250, 30), f"station 3 {SPEED}", "25 % above S-0-0036"),
+    Case("apart", behind(-500, 30, usual=-1000.0), f"station 3 {SPEED}", "50 % below S-0-0036"),
+    Case("apart", behind(-1250, 30, usual=-1000.0), f"station 3 {SPEED}", "25 % above S-0-0036"),
     Case(
         *("beyond", told(SPEED, [3001, 3500, 3100], **IN_LIMITS)),
         *(f"station 3 {SPEED}", "3500 rpm, its maximum is 3000 rpm"),
@@ -707,6 +710,7 @@ QUIET: Sequence[tuple[str, Play]] = (
     ("fault", reads(undescribed(5, "S-0-0135", bytes(3)))),  # no word
     ("homing", reads(BIT[0], undescribed(5, "S-0-0403", bytes(3)))),
     ("interval", reaction(is_doubtful=True, reaction=judged(0.06, 0.05, EXCEEDED), pause=judged(0.001, 0.002, 0))),
+    ("stopped", then(*[rests(7)] * 3)),  # an indexing axis
     ("unreadable", then(*[do("put", after_s=0.2)] * 40)),  # frames of another protocol
     ("drift", told("S-0-0051", RISES, every_s=30, unit="mm")),  # a position
     ("master", turn(9, 200)),  # a control that takes turns

@@ -108,9 +108,9 @@ class Faults:
                 yield hit_of("damaged", packet, station, what)
 
     def command(self, packet: Packet) -> Iterable[Hit]:
-        """Take a good command. The first ones after damage come to `add`."""
+        """Take a good command."""
         self.telegrams += 1
-        self._asked = packet.telegrams[0].listener
+        self._asked, self._is_disturbed = packet.telegrams[0].listener, False
         return ()
 
     def reaction(self, packet: Packet) -> Iterable[Hit]:
