@@ -617,7 +617,7 @@ def test_a_second_answer_is_told_also_after_damage() -> None:
     again = do("answer", 4, signs=("again",))
     assert len(details(then(run(5), do("damage", 3), do("exchange", station=4), again), "again")) == 1
     assert details(then(run(5), do("exchange", station=4), do("damage", 4), again), "again") == []
-    half = do("put", telegram(PLC, 3), telegram(3, PLC, is_reaction=True, good=False))
+    half = do("put", telegram(3, PLC, is_reaction=True), telegram(4, PLC, is_reaction=True, good=False))
     assert len(details(then(run(5), half, do("exchange", station=4), again), "again")) == 1
     assert len(details(then(run(5), do("damage", 4), do("answer", 4, signs=("warning_bit",))), "warning_bit")) == 1
 
