@@ -343,6 +343,10 @@ def test_a_drive_stands_by_the_scale_of_its_speed() -> None:
         ("-100 rpm", "-104 rpm", 0),
         ("-100 rpm", "-93.5 rpm", 1),
         ("1e-05 A", "1.04e-05 A", 0),
+        ("500.0", "500.0 mm", 0),  # somebody has read its unit
+        ("500.0", "600.0 mm", 1),
+        ("500.0 mm", "500.0 rpm", 1),
+        ("1, 5", "1", 1),
     ],
 )
 def test_bits_and_lists_are_alike_only_if_they_are_the_same(usual: str, other: str, count: int) -> None:
@@ -361,11 +365,12 @@ def test_a_drive_that_holds_its_place_while_others_run_moves_a_little(command: f
     assert [one.detail for one in machine.told().of("apart")] == ["above S-0-0036"] * count
 
 
-def test_what_nobody_describes_is_not_apart_from_a_command_of_another_file() -> None:
+@pytest.mark.parametrize("seam", [NEXT_FILE, event(Event.CAPTURE_STARTED), event(Event.ADAPTER_LOST)])
+def test_what_nobody_describes_is_not_apart_from_a_command_of_another_file(seam: Play) -> None:
     def bytes_of(ident: str, *numbers: int) -> Play:
         return reads(*(undescribed(3, ident, number.to_bytes(4, "little")) for number in numbers), every_s=1)
 
-    moves = then(bytes_of("S-0-0036", 1000), bytes_of(SPEED, *[1000] * 60), NEXT_FILE, bytes_of(SPEED, *[500] * 30))
+    moves = then(bytes_of("S-0-0036", 1000), bytes_of(SPEED, *[1000] * 60), seam, bytes_of(SPEED, *[500] * 30))
     assert details(moves, "apart") == []
 
 
@@ -441,6 +446,7 @@ def test_what_moves_by_itself_is_other_once() -> None:
     [
         (run(9), 1),
         (NEXT_FILE, 0),
+        (do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), text=KEPT, is_again=True), 0),
         (event(Event.CAPTURE_STARTED), 0),
         (event(Event.ADAPTER_LOST), 0),
         (do("put", type=EVENT, event=int(Event.CAPTURE_STARTED), is_again=True), 1),  # the next file of a ring

@@ -209,14 +209,14 @@ ELSEWHERE = {"restart", "blip"}  # no state explains them; they have tests of th
 WITHIN = {
     "foreign": "damaged line_error lost unreadable bus_silent",
     "off": f"{BOOT} boot bus_silent stopped apart vanished damaged line_error",
-    "boot": f"{BOOT} stopped",  # which begins where that ends
+    "boot": f"{BOOT} stopped bus_silent",  # the last one together with it: off
     "restart": BOOT,
     "estop": "step changed stopped fault system_error write recipe",
     "stopped": "step changed apart",
     "unreadable": "unanswered repeated damaged line_error lost silent bus_silent",
     "rate": "unanswered repeated damaged line_error silent unreadable",
     "adapter": "gap bus_silent",
-    "bus_silent": "unanswered repeated step changed silent",
+    "bus_silent": "unanswered repeated step changed silent boot",
     "fault": "step changed system_error apart",
     "warning": "warning_bit",
     "recipe": "step changed",

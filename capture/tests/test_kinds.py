@@ -349,6 +349,11 @@ CASES = (
         then(run(120), pause(60), do("boot"), run(60)),
         then(run(120), pause(60), run(60)),
     ),
+    Case(
+        *("off", NOTE),
+        then(run(120), do("exchange", station=3, service=0x00), pause(40), do("boot"), run(60)),
+        then(run(120), do("boot"), run(30), pause(40), run(60)),
+    ),
     Case("boot", NOTE, do("boot"), then(run(30), do("boot", 5), run(60))),
     Case("boot", NOTE, then(run(30), do("boot", 4, 5)), reaction(service=0x00)),
     Case("boot", NOTE, *(do("ask", station, service=0x1D, phase="2") for station in (199, 200))),  # one; a group

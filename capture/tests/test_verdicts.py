@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from operator import itemgetter
 from operator import methodcaller as do
 from typing import Any, NamedTuple
 
@@ -767,6 +768,15 @@ def test_a_visitor_with_a_token_is_told() -> None:
     ]
 
 
+def test_what_several_had_before_a_visitor_wrote_the_same_is_not_told() -> None:
+    machine = Machine()
+    before = reads(*(access(station, "P-0-0123", 10.0 * station) for station in (3, 4)))
+    wrote = [do("write", station, "P-0-0123", 12, master=LAPTOP) for station in (3, 4)]
+    then(run(150), before, *wrote)(machine)
+    (found,) = machine.told().of("write")
+    assert (found.who, found.hit.detail) == ("stations 3, 4 P-0-0123", "12 rpm by new master 127")
+
+
 @pytest.mark.parametrize(
     ("masters", "said", "visits"),
     [
@@ -847,6 +857,16 @@ def test_a_drift_that_chance_may_make_says_so() -> None:
     told(TORQUE, numbers[:12], every_s=400, unit="%")(short)
     assert short.told().of("drift") == []  # too few
     assert int(drift.detail.rpartition(" ")[2].rstrip(")")) == pytest.approx(352_000, rel=0.01)  # 4.68 deviations
+
+
+def test_a_capture_in_which_nothing_was_heard_has_a_gap_before_and_after_it() -> None:
+    machine = Machine()
+    started = event(Event.CAPTURE_STARTED)
+    then(run(30), pause(600), started, pause(7200), started, run(30))(machine)
+    assert [one.detail for one in machine.told().of("gap")] == [
+        "602 s between two captures",
+        "7200 s between two captures",
+    ]
 
 
 def test_many_stops_are_one_phrase() -> None:
@@ -1070,12 +1090,12 @@ def test_a_text_may_have_its_two_lengths_before_it() -> None:
         assert found and found.text == text
 
 
-def stops(*said: tuple[float, int, str, ValueReading]) -> list[tuple[float, float]]:
+def stops(*said: tuple[float, int, str, ValueReading], end_s: float = 100) -> list[tuple[float, float]]:
     """Return from when to when it stood within 100 s."""
     drives = Drives()
     for now_s, station, ident, tells in said:
         drives.add(now_s, Parameter("", str(station), 0, ident), tells)
-    return drives.stops(0, 100)
+    return drives.stops(0, end_s)
 
 
 def word(bits: int) -> ValueReading:
@@ -1103,9 +1123,35 @@ def test_a_drive_stands_as_its_words_say() -> None:
     ready = [(20.0, 3, "S-0-0135", word(0x8000)), (30.0, 3, "S-0-0134", word(0xE000))]
     assert stops(on, off, (60.0, 3, "S-0-0134", word(0xE000)), (63.0, 3, "S-0-0134", word(0))) == [(40, 100)]
     assert stops((10.0, 3, "S-0-0134", word(0)), (20.0, 3, "S-0-0134", word(0xE000)), off) == [(0, 20), (40, 100)]
-    assert stops(on, *ready, (50.0, 3, "S-0-0135", word(0xC000))) == [(20, 50)]  # both have to say that it runs
-    status = [(at_s, 3, "S-0-0135", word(0xC000)) for at_s in (20.0, 75.0)]
-    assert stops((10.0, 3, "S-0-0134", word(0)), *status) == [(0, 75)]  # but not the one of a minute ago
+    assert stops(on, *ready, (50.0, 3, "S-0-0135", word(0xC000))) == [(20, 50)]  # the drive itself says it best
+
+
+@pytest.mark.parametrize(
+    ("reads_s", "stood"),
+    [
+        ((110.3,), [(110.3, 172)]),  # a minute later it says nothing any more
+        ((110.3, 410.3, 710.3), [(110.3, 172), (410.3, 910)]),  # it is read every five minutes
+    ],
+)
+def test_a_drive_says_it_best_while_it_is_read(reads_s: Sequence[float], stood: Sequence[tuple[float, float]]) -> None:
+    """A control enables it all the time, and it is not in operation."""
+    enabled = [(10.0 + 2 * number, 3, "S-0-0134", word(0xE000)) for number in range(450)]
+    status = [(at_s, 3, "S-0-0135", word(0x8000)) for at_s in reads_s]
+    assert stops(*sorted([*enabled, *status], key=itemgetter(0)), end_s=910) == stood
+
+
+def test_a_word_that_a_laptop_reads_once_stops_no_machine() -> None:
+    """The drive is enabled by an input, and not by its control word."""
+    turning = [(2.0 * number, 3, "S-0-0040", speed(1000)) for number in range(450)]
+    once = [(110.1, 3, "S-0-0134", word(0)), (110.3, 3, "S-0-0135", word(0xC000))]
+    assert stops(*sorted([*turning, *once], key=itemgetter(0)), end_s=900) == []
+
+
+def test_a_drive_is_the_same_at_its_own_address_and_at_0() -> None:
+    machine = Drives()
+    for at_s, device, bits in ((10, 3, 0xE000), (20, 0, 0xE000), (30, 3, 0)):
+        machine.add(at_s, Parameter("", "3", device, "S-0-0134"), word(bits))
+    assert machine.stops(0, 100) == [(30, 100)]
 
 
 def test_a_drive_with_a_warning_stands_as_it_said_before() -> None:

@@ -13,8 +13,8 @@ from typing import NamedTuple
 from sistap.commands.recorder.values import ValueLines
 from sistap.dissected.episodes.episode import Hit, severity_of
 from sistap.dissected.episodes.live import FIELD, LiveEpisodes
-from sistap.dissected.episodes.machine import WRITTEN
 from sistap.dissected.episodes.rules import Thresholds
+from sistap.dissected.episodes.standard import FORMS
 from sistap.dissected.explain.fields import Fields
 from sistap.dissected.explain.relay import JudgedEntry
 from sistap.dissected.packets.dissection import FIELDS, packet_of
@@ -26,7 +26,7 @@ from sistap.tap.terminal.exits import Refusal
 
 FAULTS = "faults"  # by the episodes
 NOTHING = "nothing"  # the full ring is enough
-_CYCLIC = ", ".join(f'"{ident}"' for ident in sorted(WRITTEN))
+_CYCLIC = ", ".join(f'"{ident}"' for ident, form in sorted(FORMS.items()) if form == "control_word")
 # Ready-made ones. A master control word is written in every cycle: that is no news.
 FILTERS = {"writes": f"({WRITE.filter}) && !(sis.parameter in {{{_CYCLIC}}})"}
 _MARK = ("frame.number", "data.data")

@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from sistap.dissected.accesses.access import Access, Parameter
+from sistap.dissected.accesses.access import Access
 from sistap.dissected.episodes.episode import Hit
-from sistap.dissected.episodes.masters import station_of
+from sistap.dissected.episodes.masters import drive_of, station_of
 from sistap.dissected.episodes.readings import ValueReading, class_of, code_of
 from sistap.dissected.episodes.standard import FORMS
 from sistap.dissected.packets.dissection import Packet
@@ -33,13 +33,13 @@ class Diagnoses:
 
     def __init__(self) -> None:
         """Begin with none."""
-        self._drives: dict[Parameter, _Drive] = {}  # without its parameter: a station may have several
+        self._drives: dict[tuple[str, int], _Drive] = {}
         self._begun: list[Hit] = []
 
     def add(self, packet: Packet, access: Access, said: ValueReading) -> Iterable[Hit]:
         """Take a reading of one of LOOKED_AT; return what ends with it."""
         ident = access.parameter.ident
-        drive = self._drives.setdefault(access.parameter._replace(ident=""), _Drive())
+        drive = self._drives.setdefault(drive_of(access.parameter), _Drive())
         kind, what = LOOKED_AT[ident](drive, ident, said)
         told = drive.told.pop(ident, None)
         lasting = told and told._replace(to_s=packet.epoch_s)

@@ -154,7 +154,7 @@ def _switched_off(episodes: Sequence[Episode]) -> list[Episode]:
     silences = [one for one in episodes if one.kind == "bus_silent"]
     made: list[Episode] = []
     for boot in (one for one in episodes if one.kind == "boot"):
-        before = [one for one in silences if 0 <= boot.from_s - one.to_s <= _BOOT_S]
+        before = [one for one in silences if boot.from_s - _BOOT_S <= one.to_s <= boot.to_s]
         if before:
             from_s = before[-1].from_s
             hit = boot.hit._replace(kind="off", from_s=from_s, outcome="")
@@ -248,17 +248,23 @@ def _of_several_stations(episodes: Sequence[Episode]) -> list[Episode]:
         is_near = abs(one.from_s - other.from_s) <= apart_s and abs(one.to_s - other.to_s) <= apart_s
         is_like = one.kind not in _SAME_DETAIL or one.hit.topic == other.hit.topic
         is_like = is_like and (one.kind != "drift" or _is_as_far(one, other))
-        is_like = is_like and (one.kind != "write" or one.hit.detail == other.hit.detail)
+        is_like = is_like and (one.kind != "write" or _written(one) == _written(other))
         return is_same and is_near and is_like and not one.stations & other.stations
 
     several = sorted((one for one in episodes if one.kind in _TOGETHER or one.kind in DAMAGE), key=_begin)
     by_kind: defaultdict[str, list[Episode]] = defaultdict(list)
     for one in several:
         by_kind[one.kind].append(one)
-    return [
-        *(one for one in episodes if one.kind not in by_kind),
-        *(joined for same in by_kind.values() for joined in _joined(same, is_one)),
-    ]
+    joined = [one for same in by_kind.values() for one in _joined(same, is_one)]
+    for one in joined:
+        if one.kind == "write" and len(one.stations) > 1:
+            one.hit = one.hit._replace(detail=_written(one))  # each may have had another value before
+    return [*(one for one in episodes if one.kind not in by_kind), *joined]
+
+
+def _written(write: Episode) -> str:
+    """Return what is written, and by whom."""
+    return write.hit.detail.rpartition(ARROW)[2]
 
 
 def _what(one: Episode) -> tuple[object, ...]:

@@ -56,7 +56,7 @@ class LiveEpisodes:
         if packet.type != EVENT and not any(telegram.good for telegram in packet.telegrams):
             self._asked = {asked: one for asked, one in self._asked.items() if asked[0] is not bus}  # perhaps answered
         for telegram in packet.telegrams:
-            if not telegram.is_reaction:
+            if telegram.good and not telegram.is_reaction:
                 asked = bus, telegram.talker
                 before = self._asked.get(asked)
                 if before and telegram.columns.get(FIELD):
@@ -77,5 +77,5 @@ class LiveEpisodes:
 
 def _seam(packet: Packet) -> Packet:
     """Return the beginning of a file, as a recorder's, that begins with a packet."""
-    nothing: dict[str, Any] = {"telegrams": [], "accesses": [], "intervals_s": []}
+    nothing: dict[str, Any] = {"telegrams": [], "accesses": [], "intervals_s": [], "alike": object()}
     return replace(packet, type=EVENT, event=Event.CAPTURE_STARTED, text=KEPT, **nothing)

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
 from sistap.dissected.accesses.access import Parameter
+from sistap.dissected.episodes.masters import drive_of
 from sistap.dissected.episodes.readings import ValueReading, code_of, is_running
 from sistap.dissected.episodes.standard import FORMS
 
@@ -18,30 +19,51 @@ _SPEED = "S-0-0040"
 _REST = 0.01  # of the fastest: slower is at rest
 _REST_S = 15.0  # an indexing axis rests for less
 _PART = 3  # a machine runs if one of so many drives runs
-_FRESH_S = 60.0  # a diagnosis that is older says less than a speed; a word, less than the other word
+_FRESH_S = 60.0  # what was read before says less than what says it worse
+_AGAIN = 2  # times the pause before a reading: the next one comes until then
 _LEAST_S = 5.0  # shorter stops and runs are none
+# Of FORMS, and the speed. The drive itself says it best; its master may write what a drive does not obey.
+_BEST_FIRST = ("status_word", "control_word", "diagnosis", "diagnosis_text", "speed")
+
+
+_Change = tuple[float, bool]  # since when it runs, or not
+
+
+@dataclass
+class _Said:
+    """What one parameter of a drive says."""
+
+    running: bool
+    at_s: float  # when it was read
+    pause_s: float = 0.0  # since the reading before
+
+    def is_fresh(self, now_s: float) -> bool:
+        return now_s - self.at_s < max(_FRESH_S, _AGAIN * self.pause_s)
 
 
 @dataclass
 class _Drive:
-    """What is known of a drive; None: nothing."""
+    """What is known of a drive."""
 
-    words: dict[str, tuple[float, bool]] = field(default_factory=dict)  # what control and status word say, and when
-    code: bool | None = None  # of the diagnosis
-    code_s: float = 0.0  # when it was read
-    speed: bool | None = None
+    said: dict[str, _Said] = field(default_factory=dict)  # by form
     unit: str = ""  # of the speed
     fastest: float = 0.0
     rest_s: float | None = None  # since when it rests
     was: bool | None = None  # whether it ran when it was last looked at
 
+    def take(self, form: str, running: bool | None, now_s: float) -> None:
+        """Note what a parameter says; None says nothing."""
+        if running is not None:
+            last = self.said.get(form)
+            self.said[form] = _Said(running, now_s, now_s - last.at_s if last else 0.0)
+
     def is_running(self, now_s: float) -> bool | None:
-        """Tell it by what says it best. A panel may read diagnoses only now and then."""
-        if self.words:
-            newest_s = max(said_s for said_s, _ in self.words.values())
-            return all(running for said_s, running in self.words.values() if newest_s - said_s < _FRESH_S)
-        is_fresh = self.speed is None or now_s - self.code_s < _FRESH_S
-        return self.code if self.code is not None and is_fresh else self.speed
+        """Tell it by what says it best, and was read lately. None: not known."""
+        known = [self.said[form] for form in _BEST_FIRST if form in self.said]
+        if not known:
+            return None
+        newest = max(known, key=lambda one: one.at_s)
+        return next((one for one in known if one.is_fresh(now_s)), newest).running
 
 
 @dataclass
@@ -49,13 +71,15 @@ class Machine:
     """The drives of a bus."""
 
     is_running: bool | None = None  # None: not known
-    changes: list[tuple[float, bool]] = field(default_factory=list)  # since when it runs, or not
-    _drives: dict[tuple[str, int], _Drive] = field(default_factory=dict)  # by station and device
+    changes: list[_Change] = field(default_factory=list)
+    _drives: dict[tuple[str, int], _Drive] = field(default_factory=dict)
 
     def add(self, now_s: float, parameter: Parameter, said: ValueReading) -> None:
         """Take what a drive says of one of LOOKED_AT."""
-        drive = self._drives.setdefault((parameter.station, parameter.device), _Drive())
-        since_s = LOOKED_AT[parameter.ident](drive, now_s, parameter.ident, said)
+        drive = self._drives.setdefault(drive_of(parameter), _Drive())
+        form = LOOKED_AT[parameter.ident]
+        running, since_s = _SAY[form](drive, now_s, parameter.ident, said)
+        drive.take(form, running, now_s)
         running = drive.is_running(now_s)
         if running != drive.was:
             drive.was = running
@@ -73,57 +97,52 @@ class Machine:
 
     def stops(self, begin_s: float, end_s: float) -> list[tuple[float, float]]:
         """Return from when to when it stood. Until it is known for the first time, it did as then."""
-        lasting: list[tuple[float, bool]] = []
-        ends = [*(since_s for since_s, _ in self.changes[1:]), end_s]
-        for (since_s, running), until_s in zip(self.changes, ends, strict=False):
+        lasting: list[_Change] = []
+        for (since_s, running), until_s in _with_ends(self.changes, end_s):
             if until_s - since_s >= _LEAST_S and (not lasting or lasting[-1][1] != running):
                 lasting.append((since_s, running))
-        ends = [*(since_s for since_s, _ in lasting[1:]), end_s]
-        stops = [(since_s, until_s) for (since_s, running), until_s in zip(lasting, ends, strict=False) if not running]
+        stops = [(since_s, until_s) for (since_s, running), until_s in _with_ends(lasting, end_s) if not running]
         if stops and lasting[0] == (stops[0][0], False):
             stops[0] = begin_s, stops[0][1]
         return stops if any(running for _, running in lasting) else []
 
 
-def _word(bits: int, drive: _Drive, now_s: float, ident: str, said: ValueReading) -> float:
+def _with_ends(changes: Sequence[_Change], end_s: float) -> Iterable[tuple[_Change, float]]:
+    """Pair each change with the beginning of the next one."""
+    return zip(changes, [*(since_s for since_s, _ in changes[1:]), end_s], strict=False)
+
+
+_Saying = tuple[bool | None, float]  # whether a drive runs, and since when
+
+
+def _word(bits: int, drive: _Drive, now_s: float, ident: str, said: ValueReading) -> _Saying:
     """Take a word. A drive runs if all these bits of it are set."""
-    if said.bits is not None:
-        drive.words[ident] = now_s, said.bits & bits == bits
-    return now_s
+    return None if said.bits is None else said.bits & bits == bits, now_s
 
 
-def _diagnosis(drive: _Drive, now_s: float, ident: str, said: ValueReading) -> float:
-    running = is_running(code_of(ident, said.text))
-    if running is not None:
-        drive.code, drive.code_s = running, now_s
-    return now_s
+def _diagnosis(drive: _Drive, now_s: float, ident: str, said: ValueReading) -> _Saying:
+    return is_running(code_of(ident, said.text)), now_s
 
 
-def _speed(drive: _Drive, now_s: float, _: str, said: ValueReading) -> float:
-    """Take a speed."""
+def _speed(drive: _Drive, now_s: float, ident: str, said: ValueReading) -> _Saying:
     if said.unit != drive.unit:  # its attribute was read: now it has another scale
         drive.unit, drive.fastest = said.unit, 0.0
     speed = abs(said.number or 0.0)
     drive.fastest = max(drive.fastest, speed)
     if not drive.fastest:
-        return now_s
+        return None, now_s
     if speed > _REST * drive.fastest:
-        drive.rest_s, drive.speed = None, True
-        return now_s
+        drive.rest_s = None
+        return True, now_s
     drive.rest_s = now_s if drive.rest_s is None else drive.rest_s
-    if now_s - drive.rest_s >= _REST_S:
-        drive.speed = False
-    return drive.rest_s
+    return False if now_s - drive.rest_s >= _REST_S else None, drive.rest_s
 
 
-_Looks = Callable[[_Drive, float, str, ValueReading], float]  # returns since when it is so
-_BY_FORM: Mapping[str, _Looks] = {
-    "control_word": partial(_word, _ENABLED),
+_SAY: Mapping[str, Callable[[_Drive, float, str, ValueReading], _Saying]] = {
     "status_word": partial(_word, _IN_OPERATION),
-    **dict.fromkeys(("diagnosis", "diagnosis_text"), _diagnosis),
+    "control_word": partial(_word, _ENABLED),
+    "diagnosis": _diagnosis,
+    "diagnosis_text": _diagnosis,
+    "speed": _speed,
 }
-LOOKED_AT: Mapping[str, _Looks] = {
-    **{ident: _BY_FORM[form] for ident, form in FORMS.items() if form in _BY_FORM},
-    _SPEED: _speed,
-}
-WRITTEN = {ident for ident, form in FORMS.items() if form == "control_word"}  # by a master, in each cycle
+LOOKED_AT = {ident: form for ident, form in FORMS.items() if form in _SAY} | {_SPEED: "speed"}

@@ -20,6 +20,11 @@ def station_of(parameter: Parameter) -> int:
     return int(parameter.station.partition("/")[0])
 
 
+def drive_of(parameter: Parameter) -> tuple[str, int]:
+    """Return what tells drives apart: several may be at a station. One answers to its own address and to 0 (8.3)."""
+    return parameter.station, parameter.device or int(parameter.station.rpartition("/")[2])
+
+
 @dataclass
 class _Master:
     """What is known of a master. Its clock stands still while the bus is silent."""

@@ -191,7 +191,8 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "apart": Rule(
             *(_DRIVES, _WARNING, "Value far from its command"),
-            "S-0-0040 or S-0-0084 usually follows its command, and is more than 10 % away for 20 s.",
+            "S-0-0040 or S-0-0084 usually follows its command, and is away from it for 20 s: by more than 10 %, and "
+            "by more than 1 % of the greatest command.",
             "Look for load, brake or limit.",
             join_s=60,
         ),

@@ -12,7 +12,6 @@ from sistap.dissected.episodes.episode import Hit
 from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.dissected.packets.dissection import Packet, Telegram
 from sistap.dissected.wireshark.rows import EVENT
-from sistap.tap.records.record import Event
 
 _USUAL = 200  # silences that say what is usual
 _ENOUGH, _FEW = 20, 3  # with fewer, it is not certain, or not known at all
@@ -57,7 +56,7 @@ class BusSilence:
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return the silence before a packet."""
         if packet.type == EVENT:
-            if packet.is_seam or packet.event == Event.ADAPTER_LOST:
+            if packet.is_unheard:
                 self._last = None
             return ()
         last, self._last = self._last, packet

@@ -103,14 +103,15 @@ class TapTroubles:
     def __init__(self, thresholds: Thresholds = THRESHOLDS) -> None:
         """Begin with no packet."""
         self._thresholds = thresholds
-        self._ends_s: dict[int | None, float] = {}  # of the last characters, by line
+        self._ends_s: dict[int | None, float] = {}  # of the last characters since the last seam, by line
+        self._began_s: float | None = None  # the last seam
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return what a packet says of it."""
         if packet.type == EVENT:
-            end_s = None if packet.is_kept_apart else max(self._ends_s.values(), default=None)
+            end_s = None if packet.is_kept_apart else max(self._ends_s.values(), default=self._began_s)
             if packet.is_seam:
-                self._ends_s = {}  # the other line of the tap begins at once: one gap is told
+                self._ends_s, self._began_s = {}, packet.epoch_s
             return self._event(packet, end_s)
         end_s = self._ends_s.get(packet.line)
         self._ends_s[packet.line] = packet.ended_s
@@ -125,9 +126,11 @@ class TapTroubles:
     def _event(self, packet: Packet, end_s: float | None) -> Iterator[Hit]:
         if packet.event == Event.ADAPTER_LOST:
             yield hit_of("adapter", packet, None, packet.text)
-        elif packet.event == Event.CAPTURE_STARTED and end_s is not None and not packet.is_again:
-            hit = hit_of("gap", packet, None, f"{packet.epoch_s - end_s:.0f} s between two captures")
-            yield hit._replace(from_s=min(end_s, packet.epoch_s))
+        elif packet.event == Event.CAPTURE_STARTED and not packet.is_again:
+            gap_s = 0.0 if end_s is None else packet.epoch_s - end_s
+            if abs(gap_s) > self._thresholds.clock_s:  # the other line of a tap begins at once
+                hit = hit_of("gap", packet, None, f"{gap_s:.0f} s between two captures")
+                yield hit._replace(from_s=packet.epoch_s - max(gap_s, 0.0))
         elif moved := _MOVED.search(packet.text):
             step = moved[1] or moved[2]
             hit = hit_of("clock", packet, None, f"{step} s; the times of the capture go on without the jump")

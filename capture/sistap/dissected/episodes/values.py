@@ -128,7 +128,7 @@ class Values:
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Forget commands that the drive perhaps did not take."""
-        if packet.is_kept_apart:
+        if packet.is_unheard:
             self._lose_commands()
         for telegram in packet.telegrams:
             if telegram.unanswered and telegram.good and passes(WRITE.tests, telegram.columns):
@@ -170,7 +170,8 @@ class Values:
         """Return what is surely wrong with a number: beyond the limits that the drive told, or far from its command."""
         if access.is_write:
             return ()
-        hits = [] if said.number is None else [*_beyond(packet, access, said.number)]
+        has_limits = said.number is not None and (access.minimum or access.maximum)
+        hits = [*_beyond(packet, access, said.number or 0.0)] if has_limits else []
         if is_running is not False:
             followed = self._followed.get(access.parameter)
             raw = raw_number(access)
@@ -215,9 +216,9 @@ class Values:
             followed.lose_command()
 
     def _lose_command(self, telegram: Telegram) -> None:
+        written = telegram.columns.get("sis.parameter")
         for parameter, followed in self._followed.items():
-            is_asked = station_of(parameter) == telegram.listener
-            if is_asked and FOLLOWS.get(parameter.ident) == telegram.columns.get("sis.parameter"):
+            if FOLLOWS.get(parameter.ident) == written and station_of(parameter) == telegram.listener:
                 followed.lose_command()
 
     def _state(self, followed: _Followed, packet: Packet, value: str) -> bool:
@@ -347,10 +348,15 @@ def _changes(parameter: Parameter, followed: _Followed, thresholds: Thresholds) 
 
 
 def _is_like(value: str, usual: str, least: float) -> bool:
-    """Tell whether two states are the same, or numbers that differ by no more than a part. Bits and lists are none."""
+    """Tell whether two states are the same, or begin with numbers that differ by no more than a part. What follows
+    these is a unit, which perhaps is not known of both, or the rest of bits or of a list.
+    """
     one, other = _NUMBER.match(value), _NUMBER.match(usual)
-    if not one or not other or value[one.end() :] != usual[other.end() :]:
+    if not one or not other:
         return value == usual
+    rests = {value[one.end() :], usual[other.end() :]}
+    if len(rests) > 1 and not ("" in rests and max(rests).startswith(" ")):
+        return False
     return abs(float(one[0]) - float(other[0])) <= least * abs(float(other[0]))
 
 

@@ -15,7 +15,6 @@ from sistap.dissected.episodes.rules import THRESHOLDS, Severity, Thresholds
 from sistap.dissected.episodes.standard import FORMS, LIMITS
 from sistap.dissected.packets.dissection import Packet
 from sistap.dissected.wireshark.rows import passes
-from sistap.tap.records.record import Event
 from sistap.tap.sis.faults import WRITE
 
 _RECIPE_S = 10.0  # writes of a recipe follow one another within this time
@@ -72,16 +71,16 @@ class Writes:
 
     def unheard(self, packet: Packet) -> Iterable[Hit]:
         """Doubt what was written: nobody has listened for a while, or has heard whether a drive took another write."""
-        is_seam = packet.event in (Event.CAPTURE_STARTED, Event.ADAPTER_LOST) and not packet.is_again
         lost = {
             (telegram.listener, telegram.columns.get("sis.parameter"))
             for telegram in packet.telegrams
-            if telegram.unanswered and passes(WRITE.tests, telegram.columns)
+            if telegram.unanswered and telegram.good and passes(WRITE.tests, telegram.columns)
         }
-        if is_seam or lost:
-            for parameter, setting in self._settings.items():
-                if is_seam or (station_of(parameter), parameter.ident) in lost:
-                    setting.is_read_as_written = False
+        idents = {ident for _, ident in lost}
+        for parameter, setting in self._settings.items() if packet.is_unheard or lost else ():
+            is_lost = parameter.ident in idents and (station_of(parameter), parameter.ident) in lost
+            if packet.is_unheard or is_lost:
+                setting.is_read_as_written = False
         return ()
 
     def _write(self, packet: Packet, access: Access, before: str | None, *, is_change: bool) -> Iterator[Hit]:

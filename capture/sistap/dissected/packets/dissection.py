@@ -220,6 +220,11 @@ class Packet:
         return is_start and (not self.is_again or self.is_kept_apart)
 
     @property
+    def is_unheard(self) -> bool:
+        """Tell whether nobody heard what came just before it: it is a seam, or the adapter was lost."""
+        return self.is_seam or (self.type == EVENT and self.event == Event.ADAPTER_LOST)
+
+    @property
     def is_of_one_read(self) -> bool:
         """Tell whether it came as a whole, as all of a log does: the length of none of its intervals is known."""
         return 0 < len(self.intervals_s) <= self.same_read
