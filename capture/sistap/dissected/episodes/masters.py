@@ -21,7 +21,7 @@ def station_of(parameter: Parameter) -> int:
 
 
 def drive_of(parameter: Parameter) -> tuple[str, int]:
-    """Return what tells drives apart: several may be at a station. A drive answers to its own address and to 0 (fig. 8-2)."""
+    """Return what tells apart the drives at a station. One answers to its own address and to 0 (fig. 8-2)."""
     return parameter.station, parameter.device or int(parameter.station.rpartition("/")[2])
 
 
