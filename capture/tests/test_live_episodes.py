@@ -157,6 +157,19 @@ def test_after_a_command_that_perhaps_nobody_took_nothing_is_apart_from_the_last
     assert ("apart" in bus.kinds) is is_heard
 
 
+@pytest.mark.parametrize("is_heard", [True, False])
+def test_what_perhaps_a_drive_took_somebody_wrote(bus: Bus, *, is_heard: bool) -> None:
+    bus.exchange(access("P-0-0123", "1", master=16))
+    bus.exchange(access("P-0-0123", "1"))
+    if not is_heard:
+        bus.packet(telegram(16, 3, {"sis.parameter": "P-0-0123", "sis.service": "0x1f"}))
+        bus.now_s += 1
+        bus.ask(after_unanswered=True)
+        bus.answer()
+    bus.exchange(access("P-0-0123", "2"))
+    assert ("other" in bus.kinds) == is_heard
+
+
 def test_a_new_master_is_told_when_it_comes_and_when_it_comes_back(bus: Bus) -> None:
     for pause in (0, 1, 1, 50, 70, 1):
         for _ in range(pause):
