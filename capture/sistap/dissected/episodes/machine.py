@@ -53,17 +53,24 @@ class _Drive:
 
     def take(self, form: str, running: bool | None, now_s: float) -> None:
         """Note what a parameter says; None says nothing."""
-        if running is not None:
-            last = self.said.get(form)
-            self.said[form] = _Said(running, now_s, now_s - last.at_s if last else 0.0)
+        if running is None:
+            return
+        said = self.said.get(form)
+        if said is None:
+            self.said[form] = _Said(running, now_s)
+        else:
+            said.running, said.at_s, said.pause_s = running, now_s, now_s - said.at_s
 
     def is_running(self, now_s: float) -> bool | None:
-        """Tell it by what says it best, and was read lately. None: not known."""
-        known = [self.said[form] for form in _BEST_FIRST if form in self.said]
-        if not known:
-            return None
-        newest = max(known, key=lambda one: one.at_s)
-        return next((one for one in known if one.is_fresh(now_s)), newest).running
+        """Tell it by what says it best of all that was read lately; else by the last one. None: not known."""
+        newest: _Said | None = None
+        for form in _BEST_FIRST:
+            said = self.said.get(form)
+            if said and said.is_fresh(now_s):
+                return said.running
+            if said and (newest is None or said.at_s > newest.at_s):
+                newest = said
+        return newest.running if newest else None
 
 
 @dataclass
