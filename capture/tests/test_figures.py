@@ -120,8 +120,10 @@ def test_it_is_whole_ms(longest_ms: float, safe: str, alone: str) -> None:
 
 
 def test_without_an_uncertainty_nobody_knows_what_is_safe() -> None:
-    table = tables.pauses(report(*[at(0, paused(1.2))] * 6, at(1, paused(1.5), uncertainty_s=None)))
-    assert table.rows == [("3", "9600 Bd", "7", "1.500 ms", "5", "", "", "not known", "not known", "", "")]
+    known, unknown = [at(0, paused(1.2))] * 6, at(1, paused(1.5), uncertainty_s=None)
+    for records in ([*known, unknown], [unknown, *known]):
+        table = tables.pauses(report(*records))
+        assert table.rows == [("3", "9600 Bd", "7", "1.500 ms", "5", "", "", "not known", "not known", "", "")]
 
 
 def test_each_interval_has_the_uncertainty_of_its_own_record() -> None:
@@ -438,6 +440,7 @@ def test_how_exact_the_times_are() -> None:
 def test_records_of_all_kinds() -> None:
     error = {"errors": int(Flag.CHARACTER_ERROR)}
     blocks = [at(n, framing=int(Framing.PROCEDURE_3964R), intervals_s=[n * MS], **error) for n in (1, 2, 3)]
+    blocks[0].alike = blocks[2].alike = object()
     other = at(7, type=OTHER, intervals_s=[0.5], framing=int(Framing.PROCEDURE_3964R))
     lost = at(8, framing=int(Framing.PROCEDURE_3964R), intervals_s=[9 * MS], errors=int(Flag.LOST_BEFORE))
     said_ = said(

@@ -117,6 +117,13 @@ def test_of_two_masters_each_knows_whom_it_asked(bus: Bus) -> None:
     assert [hit.station for hit in bus.told if hit.kind == "unanswered"] == [3]
 
 
+def test_the_station_that_was_asked_first_is_silent(bus: Bus) -> None:
+    bus.ask(3)
+    bus.now_s += 1
+    bus.ask(4, after_unanswered=True)
+    assert [hit.station for hit in bus.told] == [3]
+
+
 def test_an_event_of_the_tap_is_no_reaction(bus: Bus) -> None:
     """A marker, say."""
     bus.ask()
