@@ -19,6 +19,7 @@ from machines import (
     LAPTOP,
     PANEL,
     PLC,
+    RUNS,
     SPEED,
     STANDS,
     WARNING,
@@ -386,6 +387,10 @@ CASES = (
         *("station 5", "F228 (S-0-0095, before A101); still so when last read"),
     ),
     Case(
+        *("fault", reads(*(access(5, "S-0-0390", f"0x{code:X}") for code in (RUNS, WARNING, FAULT)))),
+        *("station 5", "F2028 (S-0-0390, before E2051); still so when last read"),
+    ),
+    Case(
         *("fault", reads(access(5, "S-0-0135", "0x2000", number=8192.0))),
         *("station 5", "shut down by an error: drive status bit 13 (S-0-0135); still so when last read"),
     ),
@@ -488,6 +493,16 @@ CASES = (
         "step",
         then(*(level(TORQUE, *part, "%") for part in ((50.25, 99), (70.25, 30), (50.25, 99)))),
         *(f"station 3 {TORQUE}", "70.25 %, usually 50.25", 201.0, 259.87),
+    ),
+    Case(
+        "step",
+        then(
+            *(
+                level("P-0-0300", middle, count, "Inc")
+                for middle, count in ((-30_000, 99), (-60_000, 30), (-30_000, 99))
+            )
+        ),
+        *("station 3 P-0-0300", "-60000 Inc, usually -30000"),
     ),
     Case(
         "step",
