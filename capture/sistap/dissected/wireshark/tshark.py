@@ -221,7 +221,7 @@ class Tshark:
     def _start(self, command: Sequence[str], **settings: Any) -> subprocess.Popen[Any]:
         """Start a program that `__exit__` ends if it still runs then."""
         self._children[:] = [child for child in self._children if child.returncode is None]
-        with held():
+        with held(), programs.named(command[0]):
             self._children.append(subprocess.Popen(command, **settings))
         return self._children[-1]
 

@@ -13,13 +13,15 @@ from collections.abc import Sequence
 from sistap.dissected.wireshark.tshark import TsharkError, environment, found
 from sistap.tap.terminal.console import Console
 from sistap.tap.terminal.exits import DONE, FAILED
+from sistap.tap.terminal.programs import named
 
 
 def main(arguments: Sequence[str]) -> int:
     """Start it; return the exit code."""
     try:
         program = found("wireshark")
-        subprocess.Popen([program, *arguments], env=environment(program))
+        with named(program):
+            subprocess.Popen([program, *arguments], env=environment(program))
     except (TsharkError, OSError) as error:
         Console().say(str(error))
         return FAILED
