@@ -221,7 +221,7 @@ class Tshark:
     def _start(self, command: Sequence[str], **settings: Any) -> subprocess.Popen[Any]:
         """Start a program that `__exit__` ends if it still runs then."""
         self._children[:] = [child for child in self._children if child.returncode is None]
-        with held(), programs.named(command[0]):
+        with held():
             self._children.append(subprocess.Popen(command, **settings))
         return self._children[-1]
 
@@ -229,8 +229,15 @@ class Tshark:
     def _running(
         self, command: Sequence[str], *, gently: bool = False, **settings: Any
     ) -> Iterator[subprocess.Popen[Any]]:
-        """Run a program and wait for its end. If the caller stops early, kill it, or `gently` ask it to end."""
-        with self._start(command, **settings) as process:
+        """Run a program and wait for its end. If the caller stops early, kill it, or `gently` ask it to end.
+
+        TsharkError if it cannot be started.
+        """
+        try:
+            started = self._start(command, **settings)
+        except OSError as error:
+            raise TsharkError(f"cannot start {command[0]}: {error.strerror}") from error
+        with started as process:
             try:
                 yield process
             except BaseException:

@@ -13,16 +13,17 @@ from collections.abc import Sequence
 from sistap.dissected.wireshark.tshark import TsharkError, environment, found
 from sistap.tap.terminal.console import Console
 from sistap.tap.terminal.exits import DONE, FAILED
-from sistap.tap.terminal.programs import named
 
 
 def main(arguments: Sequence[str]) -> int:
     """Start it; return the exit code."""
     try:
         program = found("wireshark")
-        with named(program):
+        try:
             subprocess.Popen([program, *arguments], env=environment(program))
-    except (TsharkError, OSError) as error:
+        except OSError as error:
+            raise TsharkError(f"cannot start {program}: {error.strerror}") from error
+    except TsharkError as error:
         Console().say(str(error))
         return FAILED
     return DONE

@@ -25,7 +25,6 @@ from sistap.tap.common.complaints import Complaints
 from sistap.tap.line.clock import CLOCK, monotonic_ns
 from sistap.tap.line.reader.contract import PortError, PortLost
 from sistap.tap.line.settings import Flag, LineSettings, Read
-from sistap.tap.terminal.programs import named
 
 START_S = 10  # for a device: an FX2 first gets its firmware, and then is a new device
 END_S = 2
@@ -257,7 +256,7 @@ class _Process:
         path = program()
         if not path:
             raise PortError(MISSING)
-        with Complaints() as self._complaints, named(path):
+        with Complaints() as self._complaints:
             self._process = subprocess.Popen(
                 [
                     *(path, "-d", probe.driver, "--config", f"samplerate={samplerate}", "--continuous"),

@@ -6,8 +6,7 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 
 from sistap.tap.terminal import state
@@ -35,16 +34,6 @@ def of_wireshark(name: str) -> str | None:
     if (folder := remembered()) and (found := in_folder(name, folder)):
         return found
     return on_path(name) or next((found for folder in _installed() if (found := in_folder(name, folder))), None)
-
-
-@contextmanager
-def named(program: str) -> Iterator[None]:
-    """Start a program in a `with`: an OSError names it, which that of Windows does not."""
-    try:
-        yield
-    except OSError as error:
-        error.filename = error.filename or program
-        raise
 
 
 def typed(name: str) -> str:
