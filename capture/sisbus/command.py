@@ -24,7 +24,7 @@ from sistap.tap.line.clock import CLOCK
 from sistap.tap.line.settings import LineSettings
 from sistap.tap.sis.rates import RATES
 from sistap.tap.terminal.console import STANDARD_OUTPUT, visible
-from sistap.tap.terminal.exits import DONE, FAILED, Refusal
+from sistap.tap.terminal.exits import DONE, FAILED, Refusal, why
 from sistap.tap.terminal.stop import Stop
 from sistap.tap.terminal.writing import FORCE
 
@@ -139,7 +139,7 @@ def _checked(args: argparse.Namespace) -> tuple[Scenario, LineSettings, Playing]
         raise Refusal(str(error)) from error
     except OSError as error:
         cure = "`sistap bus --list` names what is built in"
-        raise Refusal(f"cannot read {args.scenario}: {error.strerror}; {cure}") from error
+        raise Refusal(f"cannot read {args.scenario}: {why(error)}; {cure}") from error
 
 
 def _settings(args: argparse.Namespace, usual: LineSettings) -> LineSettings:

@@ -17,7 +17,7 @@ from sisbus.wires.wire import Pace
 from sistap.dissected.captures.reading import records
 from sistap.tap.line.settings import ERROR_FLAGS, Flag, LineSettings
 from sistap.tap.records.record import Record, Type
-from sistap.tap.terminal.exits import NotCaptured, Refusal
+from sistap.tap.terminal.exits import NotCaptured, Refusal, why
 
 DESCRIPTION = """\
 Play a capture that sistap wrote: every character at its time. It goes to a pseudo terminal, to a socket, or, with
@@ -75,7 +75,7 @@ def _play(args: argparse.Namespace) -> None:
     except ValueError as error:
         raise Refusal(str(error)) from error
     except OSError as error:
-        raise Refusal(f"cannot read {args.capture}: {error.strerror}; name a capture file") from error
+        raise Refusal(f"cannot read {args.capture}: {why(error)}; name a capture file") from error
     pace = Pace(simulated=args.fast)
     wire = place.opened(args, content.settings, pace)
     print(f"sistap replay: {content.characters} characters at {content.settings}", file=sys.stderr)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import ast
 import ctypes
 import importlib
+import importlib.util
 import os
 import signal
 import sys
@@ -49,6 +50,8 @@ libpcap = pytest.mark.skipif(
 unpackaged = pytest.mark.skipif(
     Path("/usr/bin/sistap").exists(), reason="the package sistap is installed here: Wireshark loads its dissector"
 )
+WRITES_TABLES = importlib.util.find_spec("pyarrow") is not None
+tables = pytest.mark.skipif(not WRITES_TABLES, reason="pyarrow writes the tables: pip install pyarrow")
 # What a command says, and the cure, where PATH leads nowhere.
 NO_TSHARK = ("no Wireshark was found", advice().no_wireshark) if WINDOWS else ("tshark is not on PATH", advice().tshark)
 compiled = posix("no gcc that makes modules of Linux")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from commands import refused, run
 from independent import records
-from portable import NO_TSHARK, posix
+from portable import NO_TSHARK, WINDOWS, posix
 from report_capture import BUS, READ, Sent, write
 from specification import TELEGRAMS
 
@@ -142,6 +142,13 @@ def test_what_cannot_be_opened(tmp_path: Path) -> None:
     refused(run(tmp_path, "log", capture, PATH=str(tmp_path)), 1, *NO_TSHARK)
     (tmp_path / "plugins").mkdir()
     refused(run(tmp_path, "log", capture, WIRESHARK_PLUGIN_DIR="plugins"), 1, "no dissector for SIS")
+
+
+def test_a_tshark_that_is_no_program_is_named(tmp_path: Path) -> None:
+    program = tmp_path / ("tshark.exe" if WINDOWS else "tshark")
+    program.write_bytes(b"\0")
+    program.chmod(0o755)
+    refused(run(tmp_path, "log", CAPTURES / "told-before.pcapng", PATH=str(tmp_path)), 1, f"cannot start {program}: ")
 
 
 @posix("it has no devices in folders")

@@ -55,7 +55,6 @@ if sys.platform != "win32":
 
 START_NS = 1_700_000_000_000_000_000
 ALL = list(TELEGRAMS.values())
-NO_FOLDER = "Permission denied" if WINDOWS else "Is a directory"
 DEADLINE_S = 60  # only reached when a test fails
 
 
@@ -529,7 +528,7 @@ def test_a_port_that_does_not_open_leaves_the_old_file(
     ("options", "code", "says"),
     [
         ([], 3, "/dev/x does not exist: try another"),
-        (["-f", "link[5] ="], 2, "filter 'link[5] ='"),
+        pytest.param(["-f", "link[5] ="], 2, "filter 'link[5] ='", marks=libpcap),
         (["--tza", "2", "--framing", "ascii"], 2, "--tza and --trs are kept only with SIS"),
     ],
 )
@@ -581,8 +580,8 @@ def test_an_older_capture_is_overwritten_only_by_force(
         (["--link-type", "rtac"], "need a file"),
         (["--link-type", "rtac", "-w", "x", "--tza", "8"], "--tza and --trs are kept only with"),
         (["--framing", "3964r", "--trs", "8"], "--tza and --trs are kept only with"),
-        (["-w", ".", "-b", "duration:1"], "cannot be written: " + NO_FOLDER),
-        (["-w", "/", "-b", "duration:1"], "cannot be written: " + NO_FOLDER),
+        (["-w", ".", "-b", "duration:1"], "cannot be written: Is a directory"),
+        (["-w", "/", "-b", "duration:1"], "cannot be written: Is a directory"),
     ],
 )
 def test_wrong_options_are_one_line(

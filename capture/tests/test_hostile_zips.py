@@ -86,7 +86,9 @@ def elsewhere(path: Path) -> None:
     patch(path, b"logic-1-1", _OFFSET, "<I", 7)
 
 
-DAMAGES = [version, name, encrypted, method, longer, shorter, elsewhere]
+# An older Python goes by the end of the packed data, and reads it as it was meant.
+LONGER = pytest.param(longer, marks=pytest.mark.skipif(not hasattr(ZipInfo, "_end_offset"), reason="Python is older"))
+DAMAGES = [version, name, encrypted, method, LONGER, shorter, elsewhere]
 UNPACKED = pytest.mark.attack("a session whose directory lies: sizes, places, names, methods", "refused in one line")
 
 

@@ -511,7 +511,7 @@ def test_a_module_for_nobody_knows_what_is_no_reason_to_stop(root: Path, run: Ru
             (builds() / "plugin/sis.version").write_bytes(version)
         code, _, err = run("install")
         assert (code, err.count("\n")) == (0, 1)
-        assert "plugin/sis.so has no sis.version beside it" in err
+        assert f"{Path('plugin/sis.so')} has no sis.version beside it" in err
         assert "Personal/plugins/sis.lua" in files(root)
 
 

@@ -168,7 +168,8 @@ def test_folders(
     assert folders.parse(text, for_all=for_all) == tuple(kind(path) for path in expected)
 
 
-def test_a_wireshark_without_lua() -> None:
+def test_a_wireshark_without_lua(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(folders, "Path", PurePosixPath)
     without = "".join(line for line in DEBIAN_40.splitlines(keepends=True) if "Lua" not in line)
     with pytest.raises(TsharkError, match="names no Personal Lua Plugins"):
         folders.parse(without, for_all=False)
@@ -185,7 +186,8 @@ HOSTILE = {
 @pytest.mark.attack(
     "HOME or XDG_CONFIG_HOME is relative or has a line break", "refused in one line; nothing is installed"
 )
-def test_folders_of_a_strange_home(text: str) -> None:
+def test_folders_of_a_strange_home(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+    monkeypatch.setattr(folders, "Path", PurePosixPath)
     with pytest.raises(TsharkError, match="HOME.*XDG_CONFIG_HOME"):
         folders.parse(text, for_all=False)
     assert folders.parse(DEBIAN_40, for_all=True)

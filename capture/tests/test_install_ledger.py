@@ -233,6 +233,23 @@ def test_the_other_removes_the_folder_while_one_looks(monkeypatch: pytest.Monkey
         assert (folder / turn.NAME).exists()
 
 
+def test_windows_denies_access_for_a_moment_while_the_other_removes_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That is no reason to go on without a turn."""
+    path, real = Ledger(for_all=False).path.parent / turn.NAME, os.open
+    denied = iter(range(2))
+
+    def opened(file: Path, *args: int, **kwargs: int) -> int:
+        if Path(file) == path and next(denied, None) is not None:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+        return real(file, *args, **kwargs)
+
+    monkeypatch.setattr(sistap.tap.terminal.state, "WINDOWS", True)
+    monkeypatch.setattr(os, "open", opened)
+    with alone(for_all=False):
+        assert path.exists()
+    assert not path.parent.exists()
+
+
 @pytest.mark.parametrize("moment", ["opened", "removed"])
 def test_a_signal_leaves_no_lock(monkeypatch: pytest.MonkeyPatch, moment: str) -> None:
     """It comes when the file has just been made, or is about to be removed."""

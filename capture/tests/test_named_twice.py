@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from portable import links
 from report_capture import ANSWER, READ, Sent, records
 from test_through_files import write
 
@@ -56,7 +57,8 @@ def foreign(capture: Path) -> Path:
     return copy(capture)
 
 
-KINDS = [same_name, other_path, link, copy, packed, earlier, foreign]
+LINK = pytest.param(link, marks=links)
+KINDS = [same_name, other_path, LINK, copy, packed, earlier, foreign]
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
@@ -72,7 +74,7 @@ def test_it_is_refused(
     assert "name it once" in said
 
 
-@pytest.mark.parametrize("other", [same_name, link, earlier])
+@pytest.mark.parametrize("other", [same_name, LINK, earlier])
 def test_what_is_on_both_sides_is_told(
     other: Callable[[Path], Path], tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

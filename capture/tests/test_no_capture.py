@@ -12,6 +12,7 @@ from zipfile import ZipFile
 
 import pytest
 from commands import refused, run
+from portable import tables
 from report_capture import Sent, write
 from usb_captures import USBMON, UsbPcap, ftdi, pcap
 
@@ -19,11 +20,11 @@ from sistap.tap.files import pcapng
 from sistap.tap.files.pcapng import Interface
 from sistap.tap.sis.telegram import build
 
-COMMANDS = {
+COMMANDS: dict[str, object] = {
     "report": ("report", "--format", "text"),
     "parameters": ("parameters",),
     "compare": ("compare", "good.pcapng"),
-    "tables": ("tables", "-o", "t"),
+    "tables": pytest.param(("tables", "-o", "t"), marks=tables),
 }
 READ = build(0x10, 16, 3, bytes.fromhex("3c032800"))
 

@@ -119,4 +119,4 @@ def test_wireshark_is_started_wherever_it_is(tmp_path: Path, monkeypatch: pytest
 def test_without_wireshark_it_says_so(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(window, "found", lambda name: "/no/such/wireshark")
     assert window.main([]) == FAILED
-    assert "/no/such/wireshark" in capfd.readouterr().err
+    assert "cannot start /no/such/wireshark: " in capfd.readouterr().err

@@ -119,6 +119,25 @@ def test_a_recorder_that_was_killed_while_it_compressed(folder: Path) -> None:
     assert gzip.decompress(packed.read_bytes()) == whole
 
 
+def test_what_somebody_reads_in_windows_is_compressed_later(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """There it cannot be removed meanwhile. Until then it is there once."""
+    path, real = folder / "ring_00001_20260314220000.pcapng", Path.unlink
+    before = names(folder)
+
+    def unlink(file: Path, *, missing_ok: bool) -> None:
+        if file == path:
+            raise PermissionError(errno.EACCES, "it is read", str(file))
+        real(file, missing_ok=missing_ok)
+
+    with monkeypatch.context() as reading:
+        reading.setattr(Path, "unlink", unlink)
+        with pytest.raises(PermissionError):
+            pack(path)
+        assert names(folder) == before
+    pack(path)
+    assert names(folder) == [f"{path.name}.gz", before[1]]
+
+
 def test_a_compressed_file_that_is_cut_off_ends_before(folder: Path) -> None:
     packed = pack(folder / "ring_00001_20260314220000.pcapng")
     whole = list(packets(packed))

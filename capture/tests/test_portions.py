@@ -180,7 +180,7 @@ def test_files_that_are_deleted_meanwhile_are_told(
     third.unlink()
     assert next(read).told > 0
     assert next(read, None) is None
-    assert [text.partition(":")[0] for text in said] == [str(third)]
+    assert [text.partition(": ")[0] for text in said] == [str(third)]
 
 
 def test_no_room_for_a_piece(night: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,7 @@ from sistap.dissected.wireshark.tshark import Tshark, TsharkError
 from sistap.tap.common.packed import untold
 from sistap.tap.common.writing import opened
 from sistap.tap.terminal.console import Console
-from sistap.tap.terminal.exits import DONE, USAGE, Refusal
+from sistap.tap.terminal.exits import DONE, USAGE, Refusal, why
 from sistap.tap.terminal.writing import FORCE
 
 DESCRIPTION = """\
@@ -88,7 +88,7 @@ def _check(args: argparse.Namespace, say: Callable[[str], None]) -> None:
         if warning := untold(args.capture):
             say(warning)
     except OSError as error:
-        raise Refusal(f"cannot read {args.capture}: {error.strerror}; name a capture file") from None
+        raise Refusal(f"cannot read {args.capture}: {why(error)}; name a capture file") from None
     if args.output and Path(args.output).exists() and args.capture.samefile(args.output):
         raise Refusal(f"{args.output} is the capture itself; name another file with -o")
 

@@ -21,7 +21,7 @@ from sistap.tap.common.usbmon import is_usbmon
 from sistap.tap.files.pcapng import FIRST_BYTES
 from sistap.tap.records.cut import ASCII, Cut
 from sistap.tap.terminal.advice import shell_word
-from sistap.tap.terminal.exits import Refusal
+from sistap.tap.terminal.exits import Refusal, why
 
 _PIECE = 1 << 18
 _AHEAD = 16  # pieces of a pipe that may wait: its writer can be faster than they are explained
@@ -66,7 +66,7 @@ def look(log: str, framing: Cut, reader: LogReader | None = None) -> LogSource:
         with open(log, "rb") as file:
             beginning = file.read(LONGEST)
     except OSError as error:
-        raise SourceError(f"cannot read {log}: {error.strerror}; name a log, or - for standard input") from None
+        raise SourceError(f"cannot read {log}: {why(error)}; name a log, or - for standard input") from None
     if beginning.startswith(FIRST_BYTES):
         raise SourceError(f"{log} is a capture, not a log: `sistap log {log}` explains it")
     if not reader and not beginning.startswith(UTF_16) and is_raw(beginning[:_PIECE], framing):

@@ -18,7 +18,7 @@ from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.common.packed import unpack
 from sistap.tap.files.pcapng import FIRST_BYTES
 from sistap.tap.terminal.advice import shell_word
-from sistap.tap.terminal.exits import Refusal
+from sistap.tap.terminal.exits import Refusal, why
 
 
 class TextFormat(NamedTuple):
@@ -121,4 +121,4 @@ def _first(path: Path) -> bytes:
         with path.open("rb") as file:
             return file.read(_HEAD)
     except OSError as error:
-        raise Refusal(f"cannot read {path}: {error.strerror}; name a file that another tool has recorded") from None
+        raise Refusal(f"cannot read {path}: {why(error)}; name a file that another tool has recorded") from None

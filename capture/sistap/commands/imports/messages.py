@@ -19,7 +19,7 @@ from sistap.commands.imports.source import lines
 from sistap.tap.files import pcapng
 from sistap.tap.files.output import Output
 from sistap.tap.files.pcapng import Interface, PacketFlags
-from sistap.tap.terminal.exits import Refusal
+from sistap.tap.terminal.exits import Refusal, why
 
 DISSECTORS = ("synaxpk", "synaxpcp", "synaxpd", "arcnet7f")
 
@@ -44,7 +44,7 @@ def read(path: Path) -> list[Message]:
     try:
         messages = list(_messages(path))
     except OSError as error:
-        raise Refusal(f"cannot read {path}: {error.strerror}; name a table of messages") from None
+        raise Refusal(f"cannot read {path}: {why(error)}; name a table of messages") from None
     if not messages:
         raise Refusal(f"{path} has no messages in it: {_LINE}")
     return messages

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import sistap
 from sistap.dissected.wireshark.profile import NAME
 from sistap.dissected.wireshark.tshark import Version
-from sistap.tap.terminal.exits import FAILED, Refusal
+from sistap.tap.terminal.exits import FAILED, Refusal, why
 
 PACKAGE = Path(sistap.__file__).resolve().parent
 
@@ -86,7 +86,7 @@ def _wanted_version(module: Path) -> tuple[int, int]:
         if _OF_A_PLUGIN in module.read_bytes():
             return wanted
     except OSError as error:
-        raise Refusal(f"cannot read {module}: {error.strerror}") from None
+        raise Refusal(f"cannot read {module}: {why(error)}") from None
     raise Refusal(f"{module} is no plugin of Wireshark: build it again")
 
 

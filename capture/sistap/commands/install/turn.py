@@ -18,6 +18,8 @@ from sistap.tap.terminal.writing import lock
 
 WAIT_S = 10.0
 _AGAIN_S = 0.1
+# For a moment Windows denies access to what the other is just removing, as if no list could be saved.
+_DENIALS, _MOMENT_S = 5, 0.01
 NAME = "installing"  # only its owner may open it, so nobody else can lock it
 # With these no list can be saved either: whoever tries it says why.
 _NO_LIST = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR}
@@ -59,6 +61,14 @@ def _took(path: Path, turn: ExitStack) -> bool:
 
 
 def _opened(path: Path) -> int:
+    for _ in range(_DENIALS if state.WINDOWS else 0):
+        with suppress(PermissionError):
+            return _open(path)
+        time.sleep(_MOMENT_S)
+    return _open(path)
+
+
+def _open(path: Path) -> int:
     path.parent.mkdir(mode=0o755 if state.is_root() else 0o777, parents=True, exist_ok=True)
     return os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o600)
 

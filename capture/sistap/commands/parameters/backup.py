@@ -15,7 +15,7 @@ from typing import NamedTuple
 from sistap.dissected.telegrams.attribute import Attribute
 from sistap.dissected.telegrams.values import Unreadable, encoded
 from sistap.tap.terminal.console import visible
-from sistap.tap.terminal.exits import Refusal
+from sistap.tap.terminal.exits import Refusal, why
 
 MARK = "SERCOS-ASCII"
 NOTHING = "--"  # in place of a unit, a limit or a value
@@ -98,7 +98,7 @@ def _content(path: Path) -> bytes:
             raise Refusal(f"{path} is not a file, or larger than {_LARGEST >> 20} MB: name a backup of a drive")
         return path.read_bytes()
     except OSError as error:
-        raise Refusal(f"cannot read {path}: {error.strerror}; name a backup of a drive") from None
+        raise Refusal(f"cannot read {path}: {why(error)}; name a backup of a drive") from None
 
 
 class _Reader:

@@ -60,7 +60,7 @@ class Retention:
             except OSError as error:
                 if path.name not in self._stay:
                     self._stay.add(path.name)
-                    self._say(f"{path} cannot be deleted: {error.strerror}; it stays, delete it yourself")
+                    self._say(f"{path} cannot be deleted: {error.strerror}; each new file tries again")
 
     def complete(self) -> list[Path]:
         """Return the files that are not compressed, except the newest: that may be written. No links, no pipes."""
@@ -140,5 +140,9 @@ def pack(path: Path) -> Path:
     except OSError:
         part.unlink(missing_ok=True)
         raise
-    path.unlink(missing_ok=True)
+    try:
+        path.unlink(missing_ok=True)
+    except OSError:  # of Windows, while somebody reads it
+        packed.unlink(missing_ok=True)
+        raise
     return packed

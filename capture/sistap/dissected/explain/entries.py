@@ -3,22 +3,16 @@
 
 from __future__ import annotations
 
-import time
-
 from sistap.dissected.explain.fields import EXPLANATION
+from sistap.tap.common.calendar import local
 
 _DIRECTIONS = {1: "RX  ", 2: "TX  "}
 
 
 def stamp(seconds: int, ns: int) -> str:
     """Return local time with its zone; empty for 0, the time of a log without times, and for one in no calendar."""
-    if not seconds and not ns:
-        return ""
-    try:
-        local = time.localtime(seconds)
-    except (OverflowError, OSError):
-        return ""
-    return f"{time.strftime('%Y-%m-%d %H:%M:%S', local)}.{ns:09d}{time.strftime('%z', local)}  "
+    then = local(seconds) if seconds or ns else None
+    return f"{then:%Y-%m-%d %H:%M:%S}.{ns:09d}{then:%z}  " if then else ""
 
 
 def head(stamp: str, line: int) -> str:

@@ -229,8 +229,15 @@ class Tshark:
     def _running(
         self, command: Sequence[str], *, gently: bool = False, **settings: Any
     ) -> Iterator[subprocess.Popen[Any]]:
-        """Run a program and wait for its end. If the caller stops early, kill it, or `gently` ask it to end."""
-        with self._start(command, **settings) as process:
+        """Run a program and wait for its end. If the caller stops early, kill it, or `gently` ask it to end.
+
+        TsharkError if it cannot be started.
+        """
+        try:
+            started = self._start(command, **settings)
+        except OSError as error:
+            raise TsharkError(f"cannot start {command[0]}: {error.strerror}") from error
+        with started as process:
             try:
                 yield process
             except BaseException:

@@ -19,8 +19,11 @@ def main(arguments: Sequence[str]) -> int:
     """Start it; return the exit code."""
     try:
         program = found("wireshark")
-        subprocess.Popen([program, *arguments], env=environment(program))
-    except (TsharkError, OSError) as error:
+        try:
+            subprocess.Popen([program, *arguments], env=environment(program))
+        except OSError as error:
+            raise TsharkError(f"cannot start {program}: {error.strerror}") from error
+    except TsharkError as error:
         Console().say(str(error))
         return FAILED
     return DONE

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from sistap.tap.terminal.console import STANDARD_OUTPUT, is_reader_gone, leave_standard_output
-from sistap.tap.terminal.exits import FAILED, Refusal
+from sistap.tap.terminal.exits import FAILED, Refusal, why
 from sistap.tap.terminal.state import HeldOpenError, closed
 from sistap.tap.terminal.stop import held
 from sistap.tap.terminal.writing import WINDOWS_PIPES, lock, mode_like, no_link
@@ -112,7 +112,7 @@ def _refusing(path: str, cure: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise Refusal(f"cannot write {path}: {error.strerror}; {cure}") from None
+        raise Refusal(f"cannot write {path}: {why(error)}; {cure}") from None
 
 
 def _is_file(path: str, cure: str, *, force: bool) -> bool:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 from sistap.tap.files.lasting import PROMISED_S, Lasting
 from sistap.tap.terminal.advice import shell_word
 from sistap.tap.terminal.console import PIECE, STANDARD_OUTPUT, is_reader_gone, never_waiting
-from sistap.tap.terminal.exits import FAILED, Refusal
+from sistap.tap.terminal.exits import FAILED, Refusal, why
 from sistap.tap.terminal.programs import typed
 from sistap.tap.terminal.writing import WINDOWS_PIPES, lock, mode_like, no_link
 
@@ -112,6 +112,7 @@ class Output:
         self._before: _OpenFile | None = None  # the last closed one of several files
         self._next: _OpenFile | None = None
         self._kept = deque([self._file.path])  # all names if the oldest files are deleted, else only the first
+        self._stay: list[str] = []  # older ones that could not be deleted
         self._lasting: Lasting | None = None
         self._doubted = False  # disk trouble was reported
         self.failed = False  # the next of several files could not be opened, so this one is the last
@@ -211,15 +212,20 @@ class Output:
         self._number += 1
         if self._lasting:
             self._lasting.follow(self._file.descriptor, self._file.path)
-        if not self._limits.keep:
-            return
-        self._kept.append(self._file.path)
-        if len(self._kept) > self._limits.keep:
-            oldest = self._kept.popleft()
-            try:
-                Path(oldest).unlink(missing_ok=True)
-            except OSError as error:
-                self._say(f"{oldest} cannot be deleted: {error.strerror}; it stays, delete it yourself")
+        if self._limits.keep:
+            self._kept.append(self._file.path)
+            surplus = [self._kept.popleft()] if len(self._kept) > self._limits.keep else []
+            self._stay = [path for path in (*self._stay, *surplus) if not self._deleted(path)]
+
+    def _deleted(self, path: str) -> bool:
+        """Try to delete a file of a ring. Windows keeps it while somebody reads it."""
+        try:
+            Path(path).unlink(missing_ok=True)
+        except OSError as error:
+            if path not in self._stay:
+                self._say(f"{path} cannot be deleted: {error.strerror}; each new file tries again")
+            return False
+        return True
 
     def close(self) -> None:
         """Close the file. Remove a new file without contents."""
@@ -296,7 +302,7 @@ class _OpenFile:
         except OSError as error:
             if is_new and isinstance(error, FileExistsError):
                 raise
-            raise OutputRefused(f"{self.name} cannot be written: {error.strerror}") from error
+            raise OutputRefused(f"{self.name} cannot be written: {why(error)}") from error
         about = os.fstat(self.descriptor)
         self.regular = stat.S_ISREG(about.st_mode)
         self._mode = stat.S_IMODE(about.st_mode) & (mode if sources else 0o7777)

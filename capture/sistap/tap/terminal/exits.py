@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import TypeVar
 
 DONE, FAILED, USAGE, PORT = 0, 1, 2, 3
@@ -26,6 +29,13 @@ class Refusal(Exception):
 
 class NotCaptured(Refusal, ValueError):
     """The file cannot be read as a capture; the text is one line with the cure."""
+
+
+def why(error: OSError) -> str:
+    """Return why a file cannot be opened. Of a folder, Windows says that permission is denied."""
+    if os.name == "nt" and isinstance(error, PermissionError) and Path(str(error.filename)).is_dir():
+        return os.strerror(errno.EISDIR)
+    return error.strerror or str(error)
 
 
 def argument(parse: Callable[[str], _Value]) -> Callable[[str], _Value]:
