@@ -133,6 +133,11 @@ POSITIONS = {
 }
 
 
+def test_the_intervals_of_a_telegram_in_one_read_are_from_its_second_character_on(tshark: Tshark) -> None:
+    frames = shown(tshark, HERE / "timing-reads.pcapng", "tza.position", "-o", "sis.tza_ms:5")
+    assert {frames[number]["tza.position"] for number in range(1, 7)} == {"2"}
+
+
 def test_position_names_its_field(tshark: Tshark) -> None:
     scenario = Scenario(HERE / "timing-pauses.txt")
     command = ("-r", str(HERE / "timing-pauses.pcapng"), "-T", "pdml", *scenario.options)
