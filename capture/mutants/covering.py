@@ -73,7 +73,7 @@ PARTS = (
         EPISODES,
     ),
     *room("sistap/dissected/packets", "apart distribution kept", PACKETS),
-    Part("sistap/dissected/packets/dissection.py", (*PACKETS, "test_rows.py")),
+    Part("sistap/dissected/packets/dissection.py", (*PACKETS, "test_rows.py", "test_verdicts.py")),
     *room("sistap/dissected/accesses", "access listing", ACCESSES),
     *room("sistap/commands/report", "figures pauses tables unjudged windows", REPORT),
     *room("sistap/commands/report", "curved curves", ("test_report_parameters.py", *REPORT)),
