@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 import ctypes
+import errno
 import importlib
 import importlib.util
 import os
@@ -81,6 +82,18 @@ def zone(monkeypatch: pytest.MonkeyPatch, name: str) -> Iterator[None]:
         take_over_zone()
         yield
     take_over_zone()
+
+
+def keep(patch: pytest.MonkeyPatch, kept: Path) -> None:
+    """Let nobody delete a file, as in Windows while somebody reads it."""
+    real = Path.unlink
+
+    def unlink(path: Path, *, missing_ok: bool) -> None:
+        if path == kept:
+            raise PermissionError(errno.EACCES, "it is read", str(path))
+        real(path, missing_ok=missing_ok)
+
+    patch.setattr(Path, "unlink", unlink)
 
 
 def lacking(file: Path, system: str = sys.platform) -> str:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import re
 import select
@@ -16,7 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from portable import descriptors, fifos, modes, posix, take_over_zone, terminals
+from portable import descriptors, fifos, keep, modes, posix, take_over_zone, terminals
 
 from sistap.tap.files.output import NO_LIMITS, FileLimits, Output, OutputError, OutputRefused, file_name
 from sistap.tap.terminal.console import leave_standard_output, never_waiting
@@ -557,15 +556,9 @@ def test_an_oldest_file_that_somebody_reads_in_windows_goes_later(
     """It is said once. An immutable file stays."""
     said: list[str] = []
     output = ring(tmp_path, said)
-    oldest, real = next(tmp_path.iterdir()), Path.unlink
-
-    def unlink(path: Path, *, missing_ok: bool) -> None:
-        if path == oldest:
-            raise PermissionError(errno.EACCES, "it is read", str(path))
-        real(path, missing_ok=missing_ok)
-
+    oldest = next(tmp_path.iterdir())
     with monkeypatch.context() as reading:
-        reading.setattr(Path, "unlink", unlink)
+        keep(reading, oldest)
         for _ in range(4):
             go_on(output)
     assert said == [f"{oldest} cannot be deleted: it is read; each new file tries again"]

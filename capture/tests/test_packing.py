@@ -13,7 +13,7 @@ from typing import Any
 
 import planted
 import pytest
-from portable import fifos, modes
+from portable import fifos, keep, modes
 
 from sistap import cli
 from sistap.commands.recorder import retention
@@ -121,16 +121,10 @@ def test_a_recorder_that_was_killed_while_it_compressed(folder: Path) -> None:
 
 def test_what_somebody_reads_in_windows_is_compressed_later(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """There it cannot be removed meanwhile. Until then it is there once."""
-    path, real = folder / "ring_00001_20260314220000.pcapng", Path.unlink
+    path = folder / "ring_00001_20260314220000.pcapng"
     before = names(folder)
-
-    def unlink(file: Path, *, missing_ok: bool) -> None:
-        if file == path:
-            raise PermissionError(errno.EACCES, "it is read", str(file))
-        real(file, missing_ok=missing_ok)
-
     with monkeypatch.context() as reading:
-        reading.setattr(Path, "unlink", unlink)
+        keep(reading, path)
         with pytest.raises(PermissionError):
             pack(path)
         assert names(folder) == before

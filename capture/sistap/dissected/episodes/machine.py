@@ -19,8 +19,8 @@ _SPEED = "S-0-0040"
 _REST = 0.01  # of the fastest: slower is at rest
 _REST_S = 15.0  # an indexing axis rests for less
 _PART = 3  # a machine runs if one of so many drives runs
-_FRESH_S = 60.0  # what was read before says less than what says it worse
-_AGAIN = 2  # times the pause before a reading: the next one comes until then
+_FRESH_S = 60.0  # an older reading does not count while a fresh one of another parameter is there
+_AGAIN = 2  # usual pauses between two readings: after so many, the last one is old
 _LEAST_S = 5.0  # shorter stops and runs are none
 # Of FORMS, and the speed. The drive itself says it best; its master may write what a drive does not obey.
 _BEST_FIRST = ("status_word", "control_word", "diagnosis", "diagnosis_text", "speed")
