@@ -212,6 +212,13 @@ def test_without_the_taps_times_there_is_no_verdict(tshark: Tshark, tmp_path: Pa
         assert cells in ({}, {"trs.verdict": "2"})
 
 
+def test_a_command_in_the_record_of_a_reaction_ends_with_its_own_last_character(tshark: Tshark, tmp_path: Path) -> None:
+    both = "telegram 02 C1 02 02 10 12 10 03 00 04 02 D8 00 00 00 12 10 04"  # of station 3, and to station 4
+    capture = written(tmp_path, "silence 30", "command 16>3 12", both, "silence 40", "reaction 16>4 12 00 04")
+    times = [cells.get("reaction_time") for cells in shown(tshark, capture, "reaction_time").values()]
+    assert times == [None, "0.030000000", "0.040000000"]
+
+
 # Telegrams with 8 characters of 1.145833 ms each; the silence after the last character before a first one includes
 # the first one's own character time.
 CHARACTER_MS = 1.145833
