@@ -31,10 +31,15 @@ from sistap.tap.records.record import Event
 Heard = Iterable[Packet]
 Said = tuple[str, str, str, float, int]
 
-LONG = 1600  # packets; the others show the same
 CASES = [(case.kind, case.happens) for case in test_kinds.CASES] + [
     (case.kind, case.play) for case in test_verdicts.CASES
 ]
+KINDS = [kind for kind, _ in CASES]
+PLAYS = [  # of those that let the same kind happen, the quick tests try the first
+    pytest.param(play, id=kind, marks=pytest.mark.thorough if kind in KINDS[:place] else ())
+    for place, (kind, play) in enumerate(CASES)
+]
+of_each_play = pytest.mark.parametrize("play", PLAYS, scope="module")  # one after another: each is heard once
 STATIONS = {0: 100, 3: 103, 4: 104, 5: 105, 9: 109}  # and those that do the same beside them
 
 
@@ -56,9 +61,6 @@ def packets(play: Play) -> Sequence[Packet]:
     machine.engine = kept = _Kept()
     play(machine)
     return kept.packets
-
-
-PLAYS = [pytest.param(play, id=kind) for kind, play in CASES if len(packets(play)) < LONG]
 
 
 def episodes(heard: Heard) -> Sequence[Episode]:
@@ -147,7 +149,7 @@ def of_each(found: Iterable[Episode], stations: Iterable[int]) -> Sequence[tuple
     )
 
 
-@pytest.mark.parametrize("play", PLAYS)
+@of_each_play
 def test_a_bus_knows_nothing_of_another_one(play: Play) -> None:
     """The same happens on two of them at once, something else on the third."""
     other = test_verdicts.CASES[0].play
@@ -157,7 +159,7 @@ def test_a_bus_knows_nothing_of_another_one(play: Play) -> None:
     assert {port: said(found, port) for port in ports} == {port: said(alone(one)) for port, one in ports.items()}
 
 
-@pytest.mark.parametrize("play", PLAYS)
+@of_each_play
 def test_both_directions_are_one_bus(play: Play) -> None:
     """A full-duplex tap has an interface for each."""
     ports = {1: "commands", 2: "reactions"}
@@ -166,13 +168,13 @@ def test_both_directions_are_one_bus(play: Play) -> None:
     assert said(episodes(heard), *ports.values()) == said(alone(play))
 
 
-@pytest.mark.parametrize("play", PLAYS)
+@of_each_play
 def test_master_0_is_one_as_any_other(play: Play) -> None:
     names = {PLC: 0, 0: PLC}
     assert said(episodes(renamed(packets(play), names))) == in_words(said(alone(play)), names)
 
 
-@pytest.mark.parametrize("play", PLAYS)
+@of_each_play
 def test_two_stations_of_which_the_same_is_true(play: Play) -> None:
     """The master asks one after the other."""
     heard = packets(play)
@@ -187,7 +189,7 @@ def test_two_stations_of_which_the_same_is_true(play: Play) -> None:
         assert [one[3] for one in here] == pytest.approx([one[3] for one in expected], abs=0.03)
 
 
-@pytest.mark.parametrize("play", PLAYS)
+@of_each_play
 def test_files_of_a_ring_are_one_capture(play: Play) -> None:
     """Each begins with the event that began the first one, and somebody marks it; here in seven places at most."""
 
