@@ -142,7 +142,8 @@ def test_strange_fields(tshark: Tshark) -> None:
     found = told(tshark, ["-r", str(CAPTURES / "tcp.pcapng")], names)
     assert found is not None
     assert found[0] == ["frame.number", "text", "sis.service"]
-    assert next(found[1])[1].endswith(b"1\t\t0x03\t")
+    first, *_ = found[1]  # all are read, so that tshark ends by itself: else coverage never hears of it
+    assert first[1].endswith(b"1\t\t0x03\t")
 
 
 @pytest.mark.attack("the disk is full, in `-z sis,rows`", "a line says that rows are missing")
