@@ -35,7 +35,7 @@ CASES = [(case.kind, case.happens) for case in test_kinds.CASES] + [
     (case.kind, case.play) for case in test_verdicts.CASES
 ]
 KINDS = [kind for kind, _ in CASES]
-PLAYS = [  # of those that let the same kind happen, the quick tests try the first
+PLAYS = [  # the quick tests try the first of each kind, the thorough tests all others
     pytest.param(play, id=kind, marks=pytest.mark.thorough if kind in KINDS[:place] else ())
     for place, (kind, play) in enumerate(CASES)
 ]
