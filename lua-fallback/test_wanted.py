@@ -27,7 +27,7 @@ SHUFFLED = random.Random(48).sample(NAMES, len(NAMES))
 TOGETHER = 60
 CHUNKS = [SHUFFLED[at : at + TOGETHER] for at in range(0, len(NAMES), TOGETHER)]
 PAIRS = [SHUFFLED[at : at + 2] for at in range(0, len(NAMES), 2)]
-QUICK_PAIRS = 3
+QUICK_PAIRS = 1
 
 Columns = dict[str, tuple[str, ...]]
 

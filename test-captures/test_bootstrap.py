@@ -54,6 +54,21 @@ def test_a_build_folder_in_which_others_may_put_programs(checkout: Path) -> None
     assert ended.stderr == f"bootstrap: others can write to {checkout}/build, and what is in it is run: delete it\n"
 
 
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files to others")
+@pytest.mark.parametrize("owner, is_taken", [(0, True), (65534, True), (65533, False)])
+def test_root_in_a_checkout_of_somebody_else(checkout: Path, owner: int, is_taken: bool) -> None:
+    """What is in build/ is run: its owner, but nobody else, may have put it there."""
+    (checkout / "build").mkdir()
+    os.chown(checkout, 65534, 65534)
+    os.chown(checkout / "build", owner, 65534)
+    ended = run("bash", "-c", 'source "$0" help >/dev/null; begin pwd', f"{checkout}/bootstrap")
+    if is_taken:
+        assert (ended.stdout, ended.stderr) == (f"{checkout}\n", "")
+    else:
+        assert ended.stdout == ""
+        assert ended.stderr == f"bootstrap: others can write to {checkout}/build, and what is in it is run: delete it\n"
+
+
 def parts(checkout: Path, *ends: str) -> subprocess.CompletedProcess[str]:
     """Run parts as check does, each a line of shell; at the end comes what was not run."""
     (checkout / "build").mkdir()

@@ -5,16 +5,19 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Iterator
-from itertools import accumulate, pairwise
+from itertools import accumulate, chain, pairwise
 from pathlib import Path
 
 import pytest
 
 from make import HERE, Scenario
 from merging import groups
-from rings import FIELDS
+from rings import FIELDS, records_of, ring
+from sistap import cli
 from sistap.dissected.captures import joining, portions, reading
-from sistap.dissected.captures.portions import in_turn
+from sistap.dissected.captures.portions import Portion, in_turn
+from sistap.dissected.episodes.engine import Engine
+from sistap.dissected.packets.dissection import Dissection
 from sistap.dissected.wireshark.tshark import Tshark
 from sistap.tap.terminal.exits import NotCaptured
 
@@ -62,6 +65,25 @@ def test_a_seam_changes_nothing(name: str, tshark: Tshark, tmp_path: Path, monke
     assert len(found) == len(whole) * len(mosts)
     for number, row in enumerate(found):
         assert row == whole[number % len(whole)], f"packet {number % len(whole) + 1} of cut {number // len(whole) + 1}"
+
+
+@pytest.mark.parametrize("blocks", [6, 8, 12])
+def test_each_file_of_a_ring_tells_what_happened_in_it(blocks: int, tshark: Tshark, tmp_path: Path) -> None:
+    """Writes, refusals and phases; a phase that is the first in a file is no start of the machine."""
+    capture = tmp_path / "phases.pcapng"
+    assert cli.main(["bus", "phase-switch", "-w", str(capture)]) == 0
+    whole, *alone = (told(tshark, file) for file in (capture, *ring(records_of(capture), tmp_path / "ring", blocks)))
+    assert {kind for kind, _ in whole} == {"write", "error", "phase"}
+    assert set(chain.from_iterable(alone)) == set(whole)
+
+
+def told(tshark: Tshark, capture: Path) -> list[tuple[str, str]]:
+    """Return what is told of a capture: kinds and parameters."""
+    engine = Engine()
+    with Dissection(tshark, [Portion(capture)]) as dissection:
+        for packet in dissection.packets():
+            engine.add(packet)
+    return [(one.kind, one.hit.parameter) for one in engine.finish()]
 
 
 def is_in_order(capture: Path) -> bool:

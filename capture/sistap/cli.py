@@ -86,7 +86,7 @@ def main(arguments: Sequence[str] | None = None, stop: Stop | None = None) -> in
     stop = stop or Stop()
     try:
         _open_standard_streams()
-    except (FileNotFoundError, PermissionError) as error:
+    except OSError as error:
         return _without_null_device(error)
     try:
         return _flushed(sys.argv[1:] if arguments is None else arguments, stop)

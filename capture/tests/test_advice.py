@@ -71,7 +71,7 @@ def python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_how_to_get_a_package(python: Path) -> None:
-    assert missing("pyarrow") == f"pyarrow is missing for {python}: `'{python}' -m pip install pyarrow`"
+    assert missing("pyarrow") == f"pyarrow is missing for {python}: `'{python}' -P -m pip install pyarrow`"
 
 
 def test_debians_python_takes_debians_packages(python: Path) -> None:
@@ -79,14 +79,14 @@ def test_debians_python_takes_debians_packages(python: Path) -> None:
     (python.parents[1] / "EXTERNALLY-MANAGED").touch()
     assert missing("pyserial").endswith(": `sudo apt-get install python3-serial`")
     said = missing("pyarrow")  # Debian has none
-    assert f"`'{python}' -m venv --system-site-packages ~/sistap-python`" in said
+    assert f"`'{python}' -P -m venv --system-site-packages ~/sistap-python`" in said
     assert "`~/sistap-python/bin/pip install pyarrow`" in said
     assert f"`PYTHONPATH={shell_word(str(PACKAGE.parent))} ~/sistap-python/bin/python3 -P -m sistap`" in said
 
 
 def test_the_bundle_for_windows_has_no_pip(python: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "platform", "win32")
-    assert missing("pyarrow").endswith(" -m pip install pyarrow")
+    assert missing("pyarrow").endswith(" -P -m pip install pyarrow")
     (python.parent / "python314._pth").touch()
     assert "pip install" not in missing("pyarrow")
     assert "full.zip has pyarrow" in missing("pyarrow")

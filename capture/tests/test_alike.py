@@ -194,7 +194,7 @@ def test_files_of_a_ring_are_one_capture(play: Play) -> None:
     """Each begins with the event that began the first one, and somebody marks it; here in seven places at most."""
 
     def begins(first: Packet) -> Sequence[Packet]:
-        said: dict[str, Any] = {"type": EVENT, "baud": first.baud, "is_again": True}
+        said: dict[str, Any] = {"type": EVENT, "baud": first.baud, "is_again": first is not heard[0]}
         return [packet(first.epoch_s, event=int(code), **said) for code in (Event.CAPTURE_STARTED, Event.MARKER)]
 
     heard = packets(play)

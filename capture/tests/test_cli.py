@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import os
+import socket
 from pathlib import Path
 
 import pytest
+from portable import sockets
 
 from sistap import cli
 from sistap.tap.terminal.exits import DONE, FAILED, USAGE
@@ -59,3 +61,15 @@ def test_a_missing_null_device(
     out, err = capfd.readouterr()
     assert (out, err.count("\n")) == ("", 1)
     assert err.startswith(f"sistap: {tmp_path / 'null'} cannot be opened (No such file or directory): ")
+
+
+@sockets
+def test_something_else_is_in_its_place(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)  # the name of a socket must be short
+    with socket.socket(socket.AF_UNIX) as other, monkeypatch.context() as missing:
+        other.bind("null")
+        missing.setattr(os, "devnull", "null")
+        assert cli.main(["report"]) == FAILED
+    assert capfd.readouterr().err.startswith("sistap: null cannot be opened (No such device or address): ")

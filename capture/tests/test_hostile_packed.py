@@ -39,6 +39,13 @@ def test_a_packed_capture_that_is_cut_off(tmp_path: Path, command: str, program:
     assert len(cut.stdout) < len(whole.stdout)
 
 
+@pytest.mark.parametrize("command", ["parameters", "report -o -", "tables -o tables", "compare --bad none --good"])
+def test_among_others_it_is_refused(tmp_path: Path, command: str) -> None:
+    """It may be a copy of one of them, and would count twice."""
+    path = packed(tmp_path, "zstd", "zst")
+    refused(run(tmp_path, *command.split(), CAPTURE, path.name), 2, "unpack it first, for example with `zstd -dk")
+
+
 @pytest.mark.parametrize(("program", "suffix"), [("lz4", "lz4"), ("zstd", "zst")])
 def test_what_cannot_read_it_says_how_to_unpack_it(tmp_path: Path, program: str, suffix: str) -> None:
     path = packed(tmp_path, program, suffix)

@@ -168,7 +168,9 @@ def test_names_of_files_in_what_is_refused(tmp_path: Path, command: list[str], t
         (tmp_path / name).write_bytes(b"no such thing")
     done = run(tmp_path, *(word.replace("FILE", name) for word in command), PYTHONIOENCODING="utf-8:strict")
     assert done.returncode in (1, 2, 3)
-    assert not odd_ones(done.stdout + done.stderr)
+    said = done.stdout + done.stderr
+    assert not odd_ones(said)
+    assert visible(ODD) in said
 
 
 @of_others

@@ -132,6 +132,7 @@ def test_other_code_does_not_move_a_choice() -> None:
     assert keys == {one.key(elsewhere) for one in mutants(elsewhere) if one.function == "f"}
 
 
+@pytest.mark.style
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: part.module)
 def test_the_table_of_the_engine(part: Part) -> None:
     assert all((CAPTURE / "tests" / name).exists() for name in part.tests)

@@ -101,22 +101,14 @@ def run(args: argparse.Namespace) -> int:
     """Import; return the exit code."""
     stop = Stop.current()
     console = Console()
-    try:
-        stated = _stated(args)
-        if args.dissector:
-            return _take_messages(args, stated, stop, console)
-        with ExitStack() as tools:
-            output = tools.enter_context(closing(_output(args, stop)))
-            source = opened(args.file, stated, tools)
-            stop.at_once = False
-            return _convert(args, source, output, stop, console)
-    except Refusal as refusal:
-        raise Refusal(_one_line(str(refusal)), refusal.code) from None
-
-
-def _one_line(text: str) -> str:
-    """Return a text that may quote a damaged file, or tshark, as one line without control characters."""
-    return "".join(character if character.isprintable() else "?" for character in " ".join(text.split()))
+    stated = _stated(args)
+    if args.dissector:
+        return _take_messages(args, stated, stop, console)
+    with ExitStack() as tools:
+        output = tools.enter_context(closing(_output(args, stop)))
+        source = opened(args.file, stated, tools)
+        stop.at_once = False
+        return _convert(args, source, output, stop, console)
 
 
 def _stated(args: argparse.Namespace) -> Stated:
@@ -169,7 +161,7 @@ def _convert(args: argparse.Namespace, source: Source, output: Output, stop: Sto
         if not stop.asked:  # else the same Ctrl-C has ended it
             raise
     if source.warning:
-        console.say(_one_line(f"{args.file}: {source.warning}"))
+        console.say(f"{args.file}: {source.warning}")
     console.say(f"{counters} {output.written}")
     console.say(f"{settings}, {source.settings_from}; {timing}: {_precision(conversion.uncertainties)}")
     return DONE

@@ -10,7 +10,7 @@ from typing import BinaryIO, NamedTuple
 
 from sistap.dissected.captures import reading
 from sistap.dissected.captures.twice import check_once
-from sistap.tap.common.packed import is_text, making, no_capture, untold
+from sistap.tap.common.packed import is_text, making, no_capture, unpack, untold
 from sistap.tap.files import pcapng
 from sistap.tap.records.record import KEPT, Event
 from sistap.tap.terminal.exits import NotCaptured, Refusal
@@ -21,13 +21,16 @@ _USB = {186, 189, 220, 249, 266}  # link types (tcpdump.org/linktypes.html): Fre
 def check_captures(named: Iterable[Path], say: Callable[[str], None], output: str | None = None) -> list[Path]:
     """Return all captures, those of a folder one by one. Say what is left out of a folder because it cannot be read.
 
-    Refusal unless all others can be read again, none is the output, and each is there once.
+    Refusal unless all others can be read again, none is the output, and each is there once: nobody can tell that of
+    several if one is packed.
     """
     captures = [capture for path in named for capture in (_readable(_inside(path), say) if path.is_dir() else [path])]
     for capture in captures:
         if capture.exists() and not capture.is_file():
             raise Refusal(f"{capture} is not a file: it is read twice, so save the capture first")
         try:
+            if len(captures) > 1 and untold(capture):
+                raise Refusal(unpack(capture))
             _check_contents(capture, say)
         except OSError as error:
             raise Refusal(f"cannot read {capture}: {error.strerror}; name a capture file") from None

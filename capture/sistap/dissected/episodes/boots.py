@@ -41,6 +41,7 @@ class Boots:
         """Begin with none; `known` are the stations that have answered until now."""
         self._boot: _Boot | None = None
         self._known = known
+        self._goes_on: bool | None = None  # after what is in no file here, in which others may have answered
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return what is over with a packet."""
@@ -49,7 +50,12 @@ class Boots:
         if boot and packet.epoch_s - boot.last_s > _APART_S:
             hits += self.finish(packet.interface)
         if packet.type == EVENT:
-            return [*hits, *self.finish(packet.interface)] if packet.is_seam else hits
+            if packet.is_seam:
+                hits += self.finish(packet.interface)
+                self._goes_on = packet.is_kept_apart
+            elif packet.goes_on and self._goes_on is None:
+                self._goes_on = True
+            return hits
         for telegram in packet.telegrams:
             if telegram.good and (telegram.service in STEPS or telegram.phase):
                 self._step(packet, telegram)
@@ -76,7 +82,7 @@ class Boots:
             return
         begun = {station for station, steps in boot.stations.items() if steps & SWITCH or {_IDENTIFY, _SET} <= steps}
         place = boot.packet, boot.begin_s, boot.last_s
-        is_first = begun and not begun & boot.known
+        is_first = begun and not begun & boot.known and not self._goes_on
         if is_first or (len(begun) > 1 and 2 * len(begun) >= len(self._known)):
             ready = f", ready {boot.ready_s - boot.begin_s:.0f} s later" if boot.ready_s else ""
             yield Hit("boot", *place, None, "", f"{numbers(begun)}{ready}", float(len(begun)), port=port)

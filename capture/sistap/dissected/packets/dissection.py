@@ -211,13 +211,21 @@ class Packet:
     @property
     def is_kept_apart(self) -> bool:
         """Tell whether a file of the recorder begins here: what came just before it is not in the capture."""
-        return self.type == EVENT and self.event == Event.CAPTURE_STARTED and KEPT in self.text
+        return self._is_start and KEPT in self.text
 
     @property
     def is_seam(self) -> bool:
         """Tell whether a capture begins here, or a file kept apart: what came just before it is in none."""
-        is_start = self.type == EVENT and self.event == Event.CAPTURE_STARTED
-        return is_start and (not self.is_again or self.is_kept_apart)
+        return self._is_start and (not self.is_again or self.is_kept_apart)
+
+    @property
+    def goes_on(self) -> bool:
+        """Tell whether a further file of a ring begins here: the capture began in another one."""
+        return self._is_start and self.is_again
+
+    @property
+    def _is_start(self) -> bool:
+        return self.type == EVENT and self.event == Event.CAPTURE_STARTED
 
     @property
     def is_unheard(self) -> bool:

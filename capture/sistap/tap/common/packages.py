@@ -48,14 +48,14 @@ def _how_to_get(package: str, again: str = "") -> str:
     if is_bundle():
         return f"this Python has no pip; the file sistap-...-windows-full.zip has {package}: unpack it, and use that"
     if sys.platform == "win32":
-        return f"type {shell_word(str(python))} -m pip install {again}{package}"
+        return f"type {shell_word(str(python))} -P -m pip install {again}{package}"
     if sys.prefix != sys.base_prefix or not Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").exists():
-        return f"`{shell_word(str(python))} -m pip install {again}{package}`"
+        return f"`{shell_word(str(python))} -P -m pip install {again}{package}`"
     if sys.platform == "linux" and package == "pyserial":
         return "`sudo apt-get install python3-serial`"  # Debian's own Python takes no others from pip
     before = "`sudo apt-get install python3-venv`, " if sys.platform == "linux" else ""
     return (
-        f"{before}`{shell_word(str(python))} -m venv --system-site-packages ~/sistap-python`, "
+        f"{before}`{shell_word(str(python))} -P -m venv --system-site-packages ~/sistap-python`, "
         f"`~/sistap-python/bin/pip install {again}{package}`; then type "
         f"`PYTHONPATH={shell_word(str(_ROOT))} ~/sistap-python/bin/python3 -P -m sistap` in place "
         "of `sistap`"
