@@ -170,9 +170,13 @@ def test_what_a_station_says_of_itself_is_no_change_of_another() -> None:
         assert sorted(f"{found.who}: {found.detail}" for found in one.finish()) == more + changes
 
 
-def test_an_initialisation_to_another_phase_is_one_too() -> None:
-    stations = (then(do("exchange", station=station, service=0x1D, phase="2"), run(50)) for station in (3, 4, 5))
-    assert details(then(run(4), *stations), "boot") == [": stations 3, 4, 5"]
+def test_an_initialisation_to_another_phase_is_one_only_if_nobody_had_answered() -> None:
+    """Drives that run are switched to a phase."""
+    switched = [then(do("exchange", station=station, service=0x1D, phase="2"), run(50)) for station in (3, 4, 5)]
+    assert details(then(*switched), "boot") == [": stations 3, 4, 5"]
+    found = of(then(run(4), *switched))
+    assert not found.of("boot")
+    assert [one.who for one in found.of("phase")] == ["station 3", "station 4", "station 5"]
 
 
 def test_two_captures_have_two_initialisations() -> None:

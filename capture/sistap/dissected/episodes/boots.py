@@ -82,10 +82,14 @@ class Boots:
             return
         begun = {station for station, steps in boot.stations.items() if steps & SWITCH or {_IDENTIFY, _SET} <= steps}
         place = boot.packet, boot.begin_s, boot.last_s
-        is_first = begun and not begun & boot.known and not self._goes_on
+        again = begun & boot.known
+        if again and not boot.ready_s and not any(boot.stations[station] - SWITCH for station in begun):
+            return  # stations that run are switched to another phase, which is told as that
+        is_first = begun and not again and not self._goes_on
         if is_first or (len(begun) > 1 and 2 * len(begun) >= len(self._known)):
             ready = f", ready {boot.ready_s - boot.begin_s:.0f} s later" if boot.ready_s else ""
-            yield Hit("boot", *place, None, "", f"{numbers(begun)}{ready}", float(len(begun)), port=port)
+            (one,) = begun if len(begun) == 1 and boot.known else (None,)  # alone, beside others that run
+            yield Hit("boot", *place, one, "", f"{numbers(begun)}{ready}", float(len(begun)), port=port)
             for station, phase in boot.phases.items() if boot.ready_s else ():
                 if phase != _READY:
                     yield Hit("stuck", *place, station, "", f"stays in phase {phase}, others are in phase 4", port=port)

@@ -41,6 +41,9 @@ class Diagnoses:
         ident = access.parameter.ident
         drive = self._drives.setdefault(drive_of(access.parameter), _Drive())
         kind, what = LOOKED_AT[ident](drive, ident, said)
+        ended = drive.told.get(_SAME.get(ident, ""))
+        if ended and ended.topic != code_of(ident, said.text) != "":
+            return [drive.told.pop(_SAME[ident]), *self.add(packet, access, said)]
         told = drive.told.pop(ident, None)
         lasting = told and told._replace(to_s=packet.epoch_s)
         if lasting and (lasting.kind, lasting.topic) == (kind, what):
@@ -67,6 +70,7 @@ class Diagnoses:
                 yield hit._replace(outcome=STILL)
 
 
+_SAME = {"S-0-0390": "S-0-0095", "S-0-0095": "S-0-0390"}  # one diagnosis: what was read last is true
 _Said = tuple[str, str]  # kind or "", and what
 
 

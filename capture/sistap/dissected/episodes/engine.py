@@ -53,7 +53,7 @@ class Bus:
         self.rate: RateChanges = RateChanges(before.rate if before else None)
         self.limits: LimitChanges = LimitChanges(before.limits if before else None)
         self.devices: Devices = Devices(before.devices if before else None)
-        self.silence = StationSilence(thresholds)
+        self.silence = StationSilence(thresholds, before.silence if before else None)
         self.bus = BusSilence(thresholds)
         self.faults = Faults()
         self.refusals: Refusals = Refusals(before.refusals if before else None)

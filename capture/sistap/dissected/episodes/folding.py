@@ -3,7 +3,7 @@
 
 1. The same from two sources (S-0-0390 and S-0-0095), or of several stations at once, becomes one.
 2. An emergency stop is its fault in two drives at once; a machine that was switched off is a silence and a boot.
-3. What a state explains is left out, by the table EXPLAINS.
+3. What a state explains is left out, by the table EXPLAINS, but not what says more of a drive: _says_more.
 4. What is only bad in numbers (damaged telegrams) gets its severity.
 """
 
@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from sistap.dissected.episodes.episode import ARROW, Episode
 from sistap.dissected.episodes.rules import Severity, Thresholds
+from sistap.dissected.episodes.silence import AT_FIRST
 from sistap.dissected.episodes.standard import FOLLOWS
 
 SOON_S = 60.0  # values of a panel are read so late; a cause and its effect are so far apart
@@ -40,10 +41,12 @@ _NO_ANSWER = frozenset({"unanswered", "repeated"})
 _WRITTEN = frozenset({"write", "limit_write", "limits", "recipe"})
 _BOOT = _VALUES | _NO_ANSWER | _WRITTEN | {"silent", "phase", "error", "restart", "early", "cycle"}
 
+_OFF = {"vanished", "damaged", "line_error", "homing"}
+
 # What is told by a state is not told again.
 EXPLAINS: dict[str, _Explained] = {
     "foreign": _Explained(frozenset({"damaged", "line_error", "lost", "unreadable", "bus_silent"})),
-    "off": _Explained(_BOOT | {"boot", "bus_silent", "stopped", "apart", "vanished", "damaged", "line_error"}, SOON_S),
+    "off": _Explained(_BOOT | {"boot", "bus_silent", "stopped", "apart", *_OFF}, SOON_S),
     "boot": _Explained(_BOOT, SOON_S),
     "restart": _Explained(_BOOT - {"restart"}, SOON_S, SOON_S, same_station=True),
     "estop": _Explained(_VALUES | {"stopped", "fault", "system_error", "write", "recipe"}, SOON_S, 2 * SOON_S),
@@ -58,7 +61,11 @@ EXPLAINS: dict[str, _Explained] = {
     "again": _Explained(_NO_ANSWER, same_station=True),
     "early": _Explained(_NO_ANSWER, same_station=True),
 }
-_BY_AN_EDGE = {"step", "blip", "changed"}  # a level lasts as long as its state, or until the next one
+# A level lasts as long as its state, or until the next one; an axis is homed later.
+_BY_AN_EDGE = {"step", "blip", "changed", "homing"}
+_LASTING = {"silent", "fault", "warning", "homing"}  # what a drive still is
+_SOON_OFF_S = 5.0  # so long before a machine is off, its drives may be
+_RAMP_S = 20.0  # so long before a machine stands, its drives may leave their commands
 
 # Of several stations they are one, if they begin and end within so many seconds of one another.
 _TOGETHER: dict[str, float] = {
@@ -153,7 +160,7 @@ def _switched_off(episodes: Sequence[Episode]) -> list[Episode]:
     """Make one of a silence of the bus and the boot after it."""
     silences = [one for one in episodes if one.kind == "bus_silent"]
     made: list[Episode] = []
-    for boot in (one for one in episodes if one.kind == "boot"):
+    for boot in (one for one in episodes if one.kind == "boot" and not one.stations):
         before = [one for one in silences if boot.from_s - _BOOT_S <= one.to_s <= boot.to_s]
         if before:
             from_s = before[-1].from_s
@@ -211,11 +218,12 @@ def _unexplained(episodes: Sequence[Episode]) -> Iterator[Episode]:
 def _is_explained(one: Episode, state: Episode, explained: _Explained) -> bool:
     if one is state or one.kind not in explained.kinds:
         return False
-    if explained.same_station and not one.stations <= state.stations:
+    is_of_stations = explained.same_station or (state.kind == "boot" and state.stations)
+    if is_of_stations and not one.stations <= state.stations:
         return False
     if one.kind == "fault" and not _is_told_by(one, state):
         return False
-    if _is_set_by_somebody(one):
+    if _is_set_by_somebody(one) or _says_more(one, state):
         return False
     begin_s, end_s = state.from_s - explained.before_s, state.to_s + explained.after_s
     if one.kind in _BY_AN_EDGE:
@@ -227,6 +235,18 @@ def _is_set_by_somebody(one: Episode) -> bool:
     """Tell whether it is no write of a usual master that only switches on: a limit that had another value is none."""
     is_by_a_visitor = one.kind == "write" and one.severity >= Severity.WARNING
     return is_by_a_visitor or (one.kind == "limit_write" and ARROW in one.hit.detail)
+
+
+def _says_more(one: Episode, state: Episode) -> bool:
+    """Tell whether it lasts after the state, or came too long before it to be a part of it."""
+    if one.kind in _LASTING and one.outcome and one.to_s > state.to_s and not state.outcome:
+        return True
+    had_answered = one.kind == "silent" and one.severity == Severity.ERROR and one.hit.topic != AT_FIRST
+    return (
+        (had_answered and state.kind == "off" and one.to_s < state.from_s - _SOON_OFF_S)
+        or (had_answered and state.kind == "boot" and one.from_s < state.from_s)
+        or (one.kind == "apart" and state.kind == "stopped" and one.from_s < state.from_s - _RAMP_S)
+    )
 
 
 def _is_told_by(fault: Episode, state: Episode) -> bool:

@@ -48,6 +48,7 @@ class Masters:
         """Begin with those that asked in a good capture, or with none."""
         self._thresholds = thresholds
         self._usual: set[int] = set(before.asked) if before else set()
+        self._absent: dict[int, _Master] = dict(before.present()) if before else {}  # asked until its end, not yet here
         self._is_learning = not self._usual
         self._invited: set[int] = set()  # who got a token
         self._masters: dict[int, _Master] = {}
@@ -89,6 +90,7 @@ class Masters:
         master = self._masters.get(number)
         if master is None:
             master = self._masters[number] = _Master(packet.number, packet.epoch_s, 0.0, now_s)
+            self._absent.pop(number, None)
         master.longest_s = max(now_s - master.at_s, master.longest_s)
         master.at_s, master.to_s, master.before = now_s, packet.ended_s, self._commands
         master.commands += 1
@@ -121,15 +123,32 @@ class Masters:
             if number not in self._usual:
                 if master.stations - self._usual:
                     yield _visit(port, number, master)
-                continue
-            missed_s = self._last_s - self._silent_s - master.at_s
-            usual_s = self._thresholds.vanished_times * master.longest_s
-            is_missed = missed_s > max(self._thresholds.vanished_s, usual_s)
-            is_known = master.commands >= self._thresholds.learning_commands
-            if is_missed and is_known and self._commands - master.before >= _SINCE:
+            elif self._is_missed(master, self._missed_s(master), self._commands - master.before):
                 detail = f"asks nothing any more, others do ({master.commands} commands until then)"
-                place = "vanished", 0, self._last_s - missed_s, self._last_s
-                yield Hit(*place, None, "", f"master {number} {detail}", missed_s, port=port)
+                yield self._vanished(port, self._missed_s(master), f"master {number} {detail}")
+        heard_s = self._last_s - self._silent_s - (self._began_s or 0.0)
+        for number, master in self._absent.items():
+            if self._is_missed(master, heard_s, self._commands):
+                yield self._vanished(port, heard_s, f"master {number} asks nothing, but did in the good capture")
+
+    def present(self) -> Iterator[tuple[int, _Master]]:
+        """Yield the usual masters that asked until the end."""
+        for number, master in self._masters.items():
+            is_known = number in self._usual and master.commands >= self._thresholds.learning_commands
+            if is_known and not self._is_missed(master, self._missed_s(master), self._commands - master.before):
+                yield number, master
+
+    def _missed_s(self, master: _Master) -> float:
+        return self._last_s - self._silent_s - master.at_s
+
+    def _is_missed(self, master: _Master, missed_s: float, commands: int) -> bool:
+        """Tell whether a master is missed that asked nothing for so long, and during so many commands of others."""
+        usual_s = self._thresholds.vanished_times * master.longest_s
+        is_known = master.commands >= self._thresholds.learning_commands
+        return is_known and missed_s > max(self._thresholds.vanished_s, usual_s) and commands >= _SINCE
+
+    def _vanished(self, port: str, missed_s: float, detail: str) -> Hit:
+        return Hit("vanished", 0, self._last_s - missed_s, self._last_s, None, "", detail, missed_s, port=port)
 
 
 def _visit(port: str, number: int, master: _Master) -> Hit:

@@ -131,7 +131,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "vanished": Rule(
             *(_SILENT, _WARNING, "Master gone"),
-            "A usual master asks nothing any more, while others do.",
+            "A usual master, or one of the good capture, asks nothing any more, while others do.",
             "Look whether this master still runs.",
             join_s=0,
             is_kept=False,

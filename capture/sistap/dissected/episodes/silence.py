@@ -18,6 +18,7 @@ _ENOUGH, _FEW = 20, 3  # with fewer, it is not certain, or not known at all
 _TIMES_HEARD = 2  # a bus that was heard for less than so many silences may pause as long as usual
 _LONG_HEARD_S = 900.0  # a bus that was heard for longer is known
 _LONG_KEPT = 40  # long silences among which a rhythm is looked for
+AT_FIRST = "at first"  # topic of the silence of a station that had not answered yet
 
 
 def seconds(time_s: float) -> str:
@@ -126,9 +127,10 @@ class _Asked:
 class StationSilence:
     """Stations that do not answer, or only when asked again."""
 
-    def __init__(self, thresholds: Thresholds = THRESHOLDS) -> None:
-        """Begin with nobody asked."""
+    def __init__(self, thresholds: Thresholds = THRESHOLDS, before: StationSilence | None = None) -> None:
+        """Begin with nobody asked. Who answered in a good capture is there."""
         self._thresholds = thresholds
+        self._there = set(before.answered()) if before else set()
         self._stations: dict[int, _Asked] = {}
         self._pending: tuple[Packet, Telegram] | None = None  # a command without a reaction: perhaps that is damaged
         self._grown: int | None = None  # the station whose silence began, or went on, with the last telegram
@@ -175,7 +177,11 @@ class StationSilence:
         """Yield silences that last to the end of a capture, and forget them; its last reaction may be missing."""
         self._pending = None
         yield from self._last(port)
-        self._stations = {station: _Asked(has_answered=one.has_answered) for station, one in self._stations.items()}
+        self._stations = self.answered()
+
+    def answered(self) -> dict[int, _Asked]:
+        """Return the stations that have answered, as if nobody had asked them since."""
+        return {station: _Asked(has_answered=True) for station, one in self._stations.items() if one.has_answered}
 
     def _resolve(self) -> None:
         if not self._pending:
@@ -209,18 +215,19 @@ class StationSilence:
         if not asked:
             return ()
         asked.to_s = packet.epoch_s
-        asked.has_answered = True
-        return self._told(packet.interface, telegram.talker, asked)
+        return self._told(packet.interface, telegram.talker, asked, is_over=True)
 
-    def _told(self, port: str, station: int, asked: _Asked) -> Iterator[Hit]:
+    def _told(self, port: str, station: int, asked: _Asked, *, is_over: bool = False) -> Iterator[Hit]:
         if not asked.count:
             return
-        kind, detail, severity = "unanswered", "", None
+        kind, detail, severity, topic = "unanswered", "", None, ""
         lasted_s = asked.to_s - asked.from_s
         if asked.count >= self._thresholds.silent_commands and lasted_s >= self._thresholds.silent_s:
             kind, detail = "silent", f"{seconds(lasted_s)}, {asked.count} commands without a reaction"
-            if not asked.has_answered:
+            topic = "" if asked.has_answered else AT_FIRST
+            if topic and not is_over and station not in self._there:
                 detail, severity = f"never answered {asked.count} commands", Severity.WARNING
         elif asked.is_repeated:
             kind, detail = "repeated", "a command without a reaction"
-        yield Hit(kind, asked.first, asked.from_s, asked.to_s, station, "", detail, float(asked.count), severity, port)
+        place = asked.first, asked.from_s, asked.to_s, station
+        yield Hit(kind, *place, "", detail, float(asked.count), severity, port, topic=topic)

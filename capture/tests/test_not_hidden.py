@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What no state hides: the trouble of a drive beside it, before it or after it; and what is no trouble on any day."""
+
+from __future__ import annotations
+
+from operator import methodcaller as do
+from typing import NamedTuple
+
+import pytest
+from machines import FAULT, LAPTOP, PANEL, RUNS, STANDS, Machine, access, diagnosis
+from test_kinds import ESTOP, Play, pause, run, then
+
+STATUS = access(5, "S-0-0135", "0x2000", number=8192.0)  # shut down by an error
+HOMED, NOT_HOMED = (access(3, "S-0-0403", f"0b{bit}", number=float(bit)) for bit in (1, 0))
+SET = access(5, "S-0-0036", 1000.0)
+TEXT = access(4, "S-0-0095", '"F2028 Excessive deviation"', master=PANEL)
+
+
+def says(code: int, *stations: int, turns: float = 1000.0) -> Play:
+    """Let stations say a diagnosis from now on."""
+
+    def play(machine: Machine) -> None:
+        machine.says |= dict.fromkeys(stations, code)
+        machine.turns |= dict.fromkeys(stations, turns)
+
+    return play
+
+
+def dead(station: int, rounds: int, every_s: float = 2.0) -> Play:
+    """Let one station be silent while the others answer."""
+
+    def play(machine: Machine) -> None:
+        before = machine.drives
+        machine.drives = tuple(one for one in before if one != station)
+        for _ in range(rounds):
+            machine.run(every_s)
+            machine.silent(station)
+        machine.drives = before
+
+    return play
+
+
+def without_supply(*stations: int) -> Play:
+    """Let stations be silent for 10 s, while one answers; then they are initialised again."""
+    return then(*[then(*(do("silent", one, every_s=0.2) for one in stations), do("exchange", diagnosis(6, RUNS)))] * 20)
+
+
+class Case(NamedTuple):
+    """What happens to a machine of drives 3, 4, 5, and what is said of it."""
+
+    name: str
+    play: Play
+    verdict: str
+    said: str
+    of: tuple[int, ...] = (3, 4, 5)
+
+
+CASES = (
+    Case(
+        "a supply fails for seconds",
+        then(run(300), without_supply(3, 4), do("boot", 3, 4), run(300)),
+        *("NOT OK", "station silent (stations 3, 4)", (3, 4, 5, 6)),
+    ),
+    Case(
+        "the drives come on after the control",  # every morning
+        then(*[then(*(do("silent", one, every_s=0.3) for one in (3, 4, 5)))] * 20, do("boot"), run(300)),
+        *("OK", "Silent: nothing"),
+    ),
+    Case(
+        "a laptop switches all drives to phase 2",
+        then(run(300), *(do("exchange", station=one, master=LAPTOP, service=0x1D, phase="2") for one in (3, 4, 5))),
+        *("OK, 3 things to look at", "station 5 phase unknown -> 2"),
+    ),
+    Case(
+        "a drive is initialised for the first time, another one is silent",
+        then(run(20), do("boot", 5), dead(4, 8, 1), run(60)),
+        *("NOT OK", "station silent (station 4)", (3, 4)),
+    ),
+    Case(
+        "one drive stays shut down after an emergency stop of two others",
+        then(run(300), says(ESTOP, 3, 4), run(30), says(RUNS, 3, 4), do("run", 100, STATUS)),
+        *("NOT OK", "now fault shut down by an error: drive status bit 13 (station 5)"),
+    ),
+    Case(
+        "one drive does not come back after the machine was off",
+        then(run(300), pause(300), do("boot", 3, 4), dead(5, 20)),
+        *("NOT OK", "now station silent (station 5)"),
+    ),
+    Case(
+        "one drive falls silent after a pause of the bus",
+        then(do("run", 10, every_s=1), pause(20), dead(5, 20)),
+        *("NOT OK", "now station silent (station 5)"),
+    ),
+    Case(
+        "a second drive behind a station stays shut down",
+        then(
+            do("run", 20, diagnosis("5/1", FAULT)),
+            do("run", 50, diagnosis("5/1", RUNS), access("5/2", "S-0-0135", "0x2000", number=8192.0)),
+        ),
+        *("NOT OK", "now fault shut down by an error"),
+    ),
+    Case(
+        "somebody switches off because a drive was silent",
+        then(run(300), dead(4, 10, 1.5), run(20), pause(30), do("boot"), run(300)),
+        *("NOT OK", "station silent (station 4)"),
+    ),
+    Case(
+        "the drives are off before the control",  # every evening
+        then(run(300), *(do("silent", one, 5, every_s=0.3) for one in (3, 4, 5)), pause(3600), do("boot"), run(300)),
+        *("OK", "Silent: nothing"),
+    ),
+    Case(
+        "a drive turns too slowly until the machine stops",
+        then(
+            do("run", 120, SET),
+            says(RUNS, 5, turns=500),
+            do("run", 40, SET),
+            says(STANDS, 3, 4, 5, turns=0),
+            run(600),
+        ),
+        *("OK, 1 thing to look at", "station 5 S-0-0040 50 % below S-0-0036"),
+    ),
+    Case(
+        "an axis is homed after the machine was off",
+        then(do("run", 300, HOMED), pause(1800), do("boot"), do("run", 60, NOT_HOMED), do("run", 300, HOMED)),
+        *("OK", "Drives: nothing"),
+    ),
+    Case(
+        "an axis is not homed after the machine was off",
+        then(do("run", 300, HOMED), pause(1800), do("boot"), do("run", 300, NOT_HOMED)),
+        *("NOT OK", "now position not referenced (station 3)"),
+    ),
+    Case(
+        "a fault that a panel read as text, and the control sees go",
+        then(run(300), says(FAULT, 4), run(10), do("exchange", TEXT, master=PANEL), says(RUNS, 4), run(300)),
+        *("NOT OK", "NOT OK, 06:00:00 to 06:10:10: fault F2028 (station 4)."),
+    ),
+    Case(
+        "a fault in number and text that lasts",
+        then(run(300), says(FAULT, 4), run(10), do("exchange", TEXT, master=PANEL), run(60)),
+        *("NOT OK", "now fault F2028 (station 4)"),
+    ),
+)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name.replace(" ", "_"))
+def test_what_is_said(case: Case) -> None:
+    machine = Machine(*case.of)
+    case.play(machine)
+    told = machine.told()
+    assert (told.verdict, case.said in told.text) == (case.verdict, True), told.text
+
+
+@pytest.fixture(scope="module")
+def good() -> Machine:
+    machine = Machine()
+    machine.run(600)
+    machine.finish()
+    return machine
+
+
+@pytest.mark.parametrize(
+    ("play", "verdict", "said"),
+    [
+        (dead(5, 100), "NOT OK", "now station silent (station 5)"),
+        (CASES[1].play, "OK", "Silent: nothing"),
+        (do("run", 600, every_s=2.0), "OK", "Silent: nothing"),
+    ],
+)
+def test_who_answered_in_a_good_capture_is_there(good: Machine, play: Play, verdict: str, said: str) -> None:
+    machine = Machine(before=good.engine)
+    play(machine)
+    told = machine.told()
+    assert (told.verdict, said in told.text) == (verdict, True), told.text
+
+
+@pytest.mark.parametrize(("seconds", "count"), [(70, 1), (50, 0)])
+def test_a_master_that_asked_in_a_good_capture_is_missed(good: Machine, seconds: float, count: int) -> None:
+    machine = Machine(before=good.engine)
+    run(seconds, has_panel=False)(machine)
+    gone = machine.told().of("vanished")
+    assert [one.detail for one in gone] == ["master 2 asks nothing, but did in the good capture"] * count
+
+
+def test_a_visitor_of_a_good_capture_is_not_missed() -> None:
+    """Who left before its end, or asked little."""
+    good = Machine()
+    then(run(420), run(100, has_panel=False), *[do("exchange", station=3, master=LAPTOP)] * 50)(good)
+    good.finish()
+    machine = Machine(before=good.engine)
+    run(600, has_panel=False)(machine)
+    assert not machine.told().of("vanished")
