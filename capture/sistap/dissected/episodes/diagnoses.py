@@ -41,8 +41,8 @@ class Diagnoses:
         ident = access.parameter.ident
         drive = self._drives.setdefault(drive_of(access.parameter), _Drive())
         kind, what = LOOKED_AT[ident](drive, ident, said)
-        ended = drive.told.get(_SAME.get(ident, ""))
-        if ended and ended.topic != code_of(ident, said.text) != "":
+        other = drive.told.get(_SAME.get(ident, ""))
+        if other and code_of(ident, said.text) not in ("", other.topic):
             return [drive.told.pop(_SAME[ident]), *self.add(packet, access, said)]
         told = drive.told.pop(ident, None)
         lasting = told and told._replace(to_s=packet.epoch_s)

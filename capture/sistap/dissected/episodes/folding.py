@@ -41,12 +41,12 @@ _NO_ANSWER = frozenset({"unanswered", "repeated"})
 _WRITTEN = frozenset({"write", "limit_write", "limits", "recipe"})
 _BOOT = _VALUES | _NO_ANSWER | _WRITTEN | {"silent", "phase", "error", "restart", "early", "cycle"}
 
-_OFF = {"vanished", "damaged", "line_error", "homing"}
-
 # What is told by a state is not told again.
 EXPLAINS: dict[str, _Explained] = {
     "foreign": _Explained(frozenset({"damaged", "line_error", "lost", "unreadable", "bus_silent"})),
-    "off": _Explained(_BOOT | {"boot", "bus_silent", "stopped", "apart", *_OFF}, SOON_S),
+    "off": _Explained(
+        _BOOT | {"boot", "bus_silent", "stopped", "apart", "vanished", "damaged", "line_error", "homing"}, SOON_S
+    ),
     "boot": _Explained(_BOOT, SOON_S),
     "restart": _Explained(_BOOT - {"restart"}, SOON_S, SOON_S, same_station=True),
     "estop": _Explained(_VALUES | {"stopped", "fault", "system_error", "write", "recipe"}, SOON_S, 2 * SOON_S),
