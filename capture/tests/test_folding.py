@@ -39,7 +39,7 @@ TABLE = (
     Explained("boot", "phase", MINUTE, MINUTE),
     Explained("restart", "limits", MINUTE, MINUTE, is_of_one_station=True),
     Explained("estop", "system_error", MINUTE, 2 * MINUTE),
-    Explained("stopped", "apart", 20, MINUTE),
+    Explained("stopped", "apart", MINUTE, MINUTE),
     Explained("unreadable", "lost", 5, 5),
     Explained("rate", "unreadable", 30, 5),
     Explained("adapter", "gap", 5, 5),

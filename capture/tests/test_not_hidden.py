@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import pytest
 from machines import FAULT, LAPTOP, PANEL, RUNS, STANDS, Machine, access, diagnosis
-from test_kinds import ESTOP, Play, pause, run, then
+from test_kinds import ESTOP, FURTHER, Play, pause, run, then
 
 STATUS = access(5, "S-0-0135", "0x2000", number=8192.0)  # shut down by an error
 HOMED, NOT_HOMED = (access(3, "S-0-0403", f"0b{bit}", number=float(bit)) for bit in (1, 0))
@@ -40,6 +40,11 @@ def dead(station: int, rounds: int, every_s: float = 2.0) -> Play:
     return play
 
 
+def switched(phase: str, **more: int) -> Play:
+    """Let somebody switch all drives to a phase."""
+    return then(*(do("exchange", station=one, service=0x1D, phase=phase, **more) for one in (3, 4, 5)))
+
+
 def without_supply(*stations: int) -> Play:
     """Let stations be silent for 10 s, while one answers; then they are initialised again."""
     return then(*[then(*(do("silent", one, every_s=0.2) for one in stations), do("exchange", diagnosis(6, RUNS)))] * 20)
@@ -67,8 +72,18 @@ CASES = (
         *("OK", "Silent: nothing"),
     ),
     Case(
+        "a panel is on long before the drives",
+        then(*[then(*(do("silent", one, every_s=0.3) for one in (3, 4, 5)))] * 100, do("boot"), run(300)),
+        *("OK", "Silent: nothing"),
+    ),
+    Case(
+        "parameter mode for some minutes",
+        then(run(300), switched("2"), run(180), switched("4"), run(300)),
+        *("OK", "Changed: nothing"),
+    ),
+    Case(
         "a laptop switches all drives to phase 2",
-        then(run(300), *(do("exchange", station=one, master=LAPTOP, service=0x1D, phase="2") for one in (3, 4, 5))),
+        then(run(300), switched("2", master=LAPTOP)),
         *("OK, 3 things to look at", "station 5 phase unknown -> 2"),
     ),
     Case(
@@ -80,6 +95,31 @@ CASES = (
         "one drive stays shut down after an emergency stop of two others",
         then(run(300), says(ESTOP, 3, 4), run(30), says(RUNS, 3, 4), do("run", 100, STATUS)),
         *("NOT OK", "now fault shut down by an error: drive status bit 13 (station 5)"),
+    ),
+    Case(
+        "one drive stays in the fault of an emergency stop that is over",
+        then(run(300), says(ESTOP, 3, 4, 5), run(30), says(RUNS, 3, 4), run(300)),
+        *("NOT OK", "now fault F4034 (station 5)"),
+    ),
+    Case(
+        "another drive is silent while two are initialised for the first time",
+        then(run(100), do("boot", 5, 6), dead(4, 8, 1), run(60)),
+        *("NOT OK", "station silent (station 4)", (3, 4)),
+    ),
+    Case(
+        "a capture ends while a drive is not up yet",
+        then(run(300), pause(300), do("boot", 3, 4), dead(5, 5)),
+        *("OK", "Silent: nothing"),
+    ),
+    Case(
+        "one drive is always on, another one is initialised first",
+        then(run(120), pause(30), do("boot", 4), run(120)),
+        *("OK", "machine off and on again", (3,)),
+    ),
+    Case(
+        "a night is quiet, and the capture began before it",
+        then(FURTHER, pause(7200), do("boot"), run(120)),
+        *("OK", "initialised at 08:00:00: stations 3, 4, 5"),
     ),
     Case(
         "one drive does not come back after the machine was off",
@@ -105,6 +145,11 @@ CASES = (
         *("NOT OK", "station silent (station 4)"),
     ),
     Case(
+        "somebody switches off while a drive is silent",
+        then(run(300), dead(4, 20), pause(30), do("boot"), run(300)),
+        *("NOT OK", "station silent (station 4)"),
+    ),
+    Case(
         "the drives are off before the control",  # every evening
         then(run(300), *(do("silent", one, 5, every_s=0.3) for one in (3, 4, 5)), pause(3600), do("boot"), run(300)),
         *("OK", "Silent: nothing"),
@@ -119,6 +164,26 @@ CASES = (
             run(600),
         ),
         *("OK, 1 thing to look at", "station 5 S-0-0040 50 % below S-0-0036"),
+    ),
+    Case(
+        "a heavy axis coasts",
+        then(
+            *(
+                then(
+                    says(RUNS, 5, turns=1000 * (1 - part / 23)),
+                    do("run", 2, access(5, "S-0-0036", 0.0 if part else 1000.0)),
+                )
+                for part in [*[0] * 150, *range(1, 23)]
+            ),
+            says(STANDS, 3, 4, 5, turns=0),
+            do("run", 600, access(5, "S-0-0036", 0.0)),
+        ),
+        *("OK", "Drives: nothing"),
+    ),
+    Case(
+        "an axis runs for an hour without a reference",
+        then(do("run", 60, HOMED), do("run", 3600, NOT_HOMED), pause(1800), do("boot"), do("run", 300, HOMED)),
+        *("NOT OK", "position not referenced (station 3)"),
     ),
     Case(
         "an axis is homed after the machine was off",
@@ -179,6 +244,7 @@ def test_a_master_that_asked_in_a_good_capture_is_missed(good: Machine, seconds:
     machine = Machine(before=good.engine)
     run(seconds, has_panel=False)(machine)
     gone = machine.told().of("vanished")
+    assert all(one.from_s == machine.begin_s + 0.02 for one in gone)
     assert [one.detail for one in gone] == ["master 2 asks nothing, but did in the good capture"] * count
 
 
@@ -190,3 +256,12 @@ def test_a_visitor_of_a_good_capture_is_not_missed() -> None:
     machine = Machine(before=good.engine)
     run(600, has_panel=False)(machine)
     assert not machine.told().of("vanished")
+
+
+def test_a_second_bus_is_not_that_of_the_good_capture(good: Machine) -> None:
+    """Nobody knows what is usual there."""
+    one, other = (Machine(before=good.engine, interface=name) for name in "ab")
+    other.engine = one.engine
+    run(300)(one)
+    then(run(300, has_panel=False), dead(5, 100))(other)
+    assert not other.told().of("vanished")

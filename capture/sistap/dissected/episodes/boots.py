@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import chain
@@ -41,7 +42,9 @@ class Boots:
         """Begin with none; `known` are the stations that have answered until now."""
         self._boot: _Boot | None = None
         self._known = known
-        self._goes_on: bool | None = None  # after what is in no file here, in which others may have answered
+        self._has_begun = False
+        self._goes_on_s = -math.inf  # when a file began before which, in none here, others may have answered
+        self._switched: tuple[set[int], Hit] | None = None  # stations that ran, to another phase
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return what is over with a packet."""
@@ -52,9 +55,11 @@ class Boots:
         if packet.type == EVENT:
             if packet.is_seam:
                 hits += self.finish(packet.interface)
-                self._goes_on = packet.is_kept_apart
-            elif packet.goes_on and self._goes_on is None:
-                self._goes_on = True
+            if packet.is_kept_apart or (packet.goes_on and not self._has_begun):
+                self._goes_on_s = packet.epoch_s
+            elif packet.is_seam:
+                self._goes_on_s = -math.inf
+            self._has_begun |= packet.is_seam or packet.goes_on
             return hits
         for telegram in packet.telegrams:
             if telegram.good and (telegram.service in STEPS or telegram.phase):
@@ -83,13 +88,18 @@ class Boots:
         begun = {station for station, steps in boot.stations.items() if steps & SWITCH or {_IDENTIFY, _SET} <= steps}
         place = boot.packet, boot.begin_s, boot.last_s
         again = begun & boot.known
-        if again and not boot.ready_s and not any(boot.stations[station] - SWITCH for station in begun):
-            return  # stations that run are switched to another phase, which is told as that
-        is_first = begun and not again and not self._goes_on
+        is_first = begun and not again and boot.begin_s - self._goes_on_s > _APART_S
         if is_first or (len(begun) > 1 and 2 * len(begun) >= len(self._known)):
             ready = f", ready {boot.ready_s - boot.begin_s:.0f} s later" if boot.ready_s else ""
-            (one,) = begun if len(begun) == 1 and boot.known else (None,)  # alone, beside others that run
-            yield Hit("boot", *place, one, "", f"{numbers(begun)}{ready}", float(len(begun)), port=port)
+            alone = " ".join(map(str, sorted(begun))) if is_first and boot.known else ""  # others run
+            hit = Hit("boot", *place, None, "", f"{numbers(begun)}{ready}", float(len(begun)), port=port, topic=alone)
+            if again and not ready and not any(boot.stations[station] - SWITCH for station in begun):
+                self._switched = begun, hit  # each phase is told, unless they come back: an initialisation with a stop
+                return
+            if self._switched and ready and self._switched[0] <= begun:
+                yield self._switched[1]
+            self._switched = None
+            yield hit
             for station, phase in boot.phases.items() if boot.ready_s else ():
                 if phase != _READY:
                     yield Hit("stuck", *place, station, "", f"stays in phase {phase}, others are in phase 4", port=port)

@@ -53,7 +53,7 @@ class Bus:
         self.rate: RateChanges = RateChanges(before.rate if before else None)
         self.limits: LimitChanges = LimitChanges(before.limits if before else None)
         self.devices: Devices = Devices(before.devices if before else None)
-        self.silence = StationSilence(thresholds, before.silence if before else None)
+        self.silence: StationSilence = StationSilence(thresholds, before.silence if before else None)
         self.bus = BusSilence(thresholds)
         self.faults = Faults()
         self.refusals: Refusals = Refusals(before.refusals if before else None)
@@ -223,6 +223,9 @@ class Engine:
     def finish(self) -> list[Episode]:
         """Return all episodes, in the order of their beginning; some are known only at the end."""
         for name, bus in self._buses.items():
+            if self._before and len(self._buses) > 1 and name not in self._before._buses:
+                bus.masters.expect_nobody()
+                bus.silence.expect_nobody()
             self._book.add(bus.finish())
             before = self._before._bus(name) if self._before else None
             if before:

@@ -18,6 +18,7 @@ from sistap.dissected.episodes.episode import ARROW, Episode
 from sistap.dissected.episodes.rules import Severity, Thresholds
 from sistap.dissected.episodes.silence import AT_FIRST
 from sistap.dissected.episodes.standard import FOLLOWS
+from sistap.dissected.episodes.values import BELOW
 
 SOON_S = 60.0  # values of a panel are read so late; a cause and its effect are so far apart
 _BOOT_S = 180.0  # from the end of a silence to the first initialisation
@@ -61,10 +62,11 @@ EXPLAINS: dict[str, _Explained] = {
     "again": _Explained(_NO_ANSWER, same_station=True),
     "early": _Explained(_NO_ANSWER, same_station=True),
 }
-# A level lasts as long as its state, or until the next one; an axis is homed later.
-_BY_AN_EDGE = {"step", "blip", "changed", "homing"}
+_BY_AN_EDGE = {"step", "blip", "changed"}  # a level lasts as long as its state, or until the next one
 _LASTING = {"silent", "fault", "warning", "homing"}  # what a drive still is
+_UP_S = 20.0  # so much later than others, a drive may be up
 _SOON_OFF_S = 5.0  # so long before a machine is off, its drives may be
+_ALONE = "alone"  # topic of a silence that began before a machine was off, while most drives answered
 _RAMP_S = 20.0  # so long before a machine stands, its drives may leave their commands
 
 # Of several stations they are one, if they begin and end within so many seconds of one another.
@@ -140,6 +142,9 @@ def _emergency_stops(episodes: Sequence[Episode]) -> list[Episode]:
             continue
         first, to_s = group[0], max(one.to_s for one in group)
         outcome = next((one.outcome for one in group if one.outcome), "")
+        over_s = max((one.to_s for one in group if not one.outcome), default=to_s)
+        if to_s - over_s > SOON_S:  # the drives that still say so have a fault of their own
+            to_s, outcome = over_s, ""
         hit = first.hit._replace(kind="estop", to_s=to_s, station=None, parameter="", detail=first.hit.topic)
         stops.append(replace(Episode.of(hit), stations=stations, outcome=outcome))
     return [*episodes, *stops]
@@ -160,13 +165,22 @@ def _switched_off(episodes: Sequence[Episode]) -> list[Episode]:
     """Make one of a silence of the bus and the boot after it."""
     silences = [one for one in episodes if one.kind == "bus_silent"]
     made: list[Episode] = []
-    for boot in (one for one in episodes if one.kind == "boot" and not one.stations):
+    for boot in (one for one in episodes if one.kind == "boot"):
         before = [one for one in silences if boot.from_s - _BOOT_S <= one.to_s <= boot.to_s]
         if before:
             from_s = before[-1].from_s
             hit = boot.hit._replace(kind="off", from_s=from_s, outcome="")
             made.append(Episode.of(hit))
+            _mark_alone(episodes, made[-1])
     return [*episodes, *made]
+
+
+def _mark_alone(episodes: Sequence[Episode], off: Episode) -> None:
+    """Mark the silences that began before a machine was off, if most drives answered until then."""
+    gone = [one for one in episodes if one.kind == "silent" and 0 < off.from_s - _SOON_OFF_S - one.from_s <= SOON_S]
+    if 2 * len(set[int]().union(*(one.stations for one in gone))) < (off.hit.worst or 0):
+        for one in gone:
+            one.hit = one.hit._replace(topic=_ALONE)
 
 
 def _restarts(episodes: Sequence[Episode]) -> list[Episode]:
@@ -216,19 +230,25 @@ def _unexplained(episodes: Sequence[Episode]) -> Iterator[Episode]:
 
 
 def _is_explained(one: Episode, state: Episode, explained: _Explained) -> bool:
-    if one is state or one.kind not in explained.kinds:
+    if one is state or one.kind not in explained.kinds or _is_of_others(one, state, explained):
         return False
-    is_of_stations = explained.same_station or (state.kind == "boot" and state.stations)
-    if is_of_stations and not one.stations <= state.stations:
-        return False
-    if one.kind == "fault" and not _is_told_by(one, state):
-        return False
-    if _is_set_by_somebody(one) or _says_more(one, state):
+    if (one.kind == "fault" and not _is_told_by(one, state)) or _is_set_by_somebody(one) or _says_more(one, state):
         return False
     begin_s, end_s = state.from_s - explained.before_s, state.to_s + explained.after_s
-    if one.kind in _BY_AN_EDGE:
-        return begin_s <= one.from_s <= end_s or begin_s <= one.to_s <= end_s
-    return begin_s <= one.from_s and one.to_s <= end_s
+    begins, ends = begin_s <= one.from_s <= end_s, begin_s <= one.to_s <= end_s
+    if one.kind == "homing":  # an axis is homed any time later
+        return begins
+    if one.hit.topic == AT_FIRST and state.kind in ("boot", "off"):  # a panel may ask for hours before
+        return ends
+    return begins or ends if one.kind in _BY_AN_EDGE else begins and ends
+
+
+def _is_of_others(one: Episode, state: Episode, explained: _Explained) -> bool:
+    """Tell whether it is of stations that the state says nothing of."""
+    if state.kind in ("boot", "off"):
+        alone = {int(number) for number in state.hit.topic.split()}  # if others ran
+        return bool(alone) and not one.stations <= alone
+    return explained.same_station and not one.stations <= state.stations
 
 
 def _is_set_by_somebody(one: Episode) -> bool:
@@ -239,14 +259,16 @@ def _is_set_by_somebody(one: Episode) -> bool:
 
 def _says_more(one: Episode, state: Episode) -> bool:
     """Tell whether it lasts after the state, or came too long before it to be a part of it."""
-    if one.kind in _LASTING and one.outcome and one.to_s > state.to_s and not state.outcome:
+    later_s = _UP_S if state.kind in ("boot", "off") else 0.0
+    if one.kind in _LASTING and one.outcome and one.to_s > state.to_s + later_s and not state.outcome:
         return True
-    had_answered = one.kind == "silent" and one.severity == Severity.ERROR and one.hit.topic != AT_FIRST
-    return (
-        (had_answered and state.kind == "off" and one.to_s < state.from_s - _SOON_OFF_S)
-        or (had_answered and state.kind == "boot" and one.from_s < state.from_s)
-        or (one.kind == "apart" and state.kind == "stopped" and one.from_s < state.from_s - _RAMP_S)
-    )
+    if one.kind == "apart":  # an axis that coasts is above its command
+        return state.kind == "stopped" and BELOW in one.hit.detail and one.from_s < state.from_s - _RAMP_S
+    if one.kind != "silent" or one.hit.topic == AT_FIRST:
+        return False
+    if state.kind == "off":
+        return one.hit.topic == _ALONE or one.to_s < state.from_s - _SOON_OFF_S
+    return state.kind == "boot" and one.from_s < state.from_s
 
 
 def _is_told_by(fault: Episode, state: Episode) -> bool:

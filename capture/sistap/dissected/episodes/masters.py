@@ -125,11 +125,15 @@ class Masters:
                     yield _visit(port, number, master)
             elif self._is_missed(master, self._missed_s(master), self._commands - master.before):
                 detail = f"asks nothing any more, others do ({master.commands} commands until then)"
-                yield self._vanished(port, self._missed_s(master), f"master {number} {detail}")
-        heard_s = self._last_s - self._silent_s - (self._began_s or 0.0)
+                yield self._vanished(port, self._last_s - self._missed_s(master), f"master {number} {detail}")
+        began_s = self._began_s or 0.0
         for number, master in self._absent.items():
-            if self._is_missed(master, heard_s, self._commands):
-                yield self._vanished(port, heard_s, f"master {number} asks nothing, but did in the good capture")
+            if self._is_missed(master, self._last_s - self._silent_s - began_s, self._commands):
+                yield self._vanished(port, began_s, f"master {number} asks nothing, but did in the good capture")
+
+    def expect_nobody(self) -> None:
+        """Forget who asked in the good capture until its end: that was another bus."""
+        self._absent.clear()
 
     def present(self) -> Iterator[tuple[int, _Master]]:
         """Yield the usual masters that asked until the end."""
@@ -147,8 +151,8 @@ class Masters:
         is_known = master.commands >= self._thresholds.learning_commands
         return is_known and missed_s > max(self._thresholds.vanished_s, usual_s) and commands >= _SINCE
 
-    def _vanished(self, port: str, missed_s: float, detail: str) -> Hit:
-        return Hit("vanished", 0, self._last_s - missed_s, self._last_s, None, "", detail, missed_s, port=port)
+    def _vanished(self, port: str, from_s: float, detail: str) -> Hit:
+        return Hit("vanished", 0, from_s, self._last_s, None, "", detail, self._last_s - from_s, port=port)
 
 
 def _visit(port: str, number: int, master: _Master) -> Hit:

@@ -165,8 +165,9 @@ class StationSilence:
     def finish(self, port: str) -> Iterator[Hit]:
         """Yield silences that last to the end."""
         for hit in self._last(port):
-            was_heard = hit.kind == "silent" and hit.severity is None  # else it never answered
-            yield hit._replace(outcome="not heard again") if was_heard else hit
+            is_there = hit.kind == "silent" and hit.severity is None
+            outcome = "" if not is_there else "not heard" if hit.topic == AT_FIRST else "not heard again"
+            yield hit._replace(outcome=outcome)
 
     def _last(self, port: str) -> Iterator[Hit]:
         self._resolve()
@@ -178,6 +179,10 @@ class StationSilence:
         self._pending = None
         yield from self._last(port)
         self._stations = self.answered()
+
+    def expect_nobody(self) -> None:
+        """Forget who answered in the good capture: that was another bus."""
+        self._there.clear()
 
     def answered(self) -> dict[int, _Asked]:
         """Return the stations that have answered, as if nobody had asked them since."""

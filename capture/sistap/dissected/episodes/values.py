@@ -37,6 +37,7 @@ _FALLS = 0.01  # of its rises: fewer are such wraps, or somebody has reset it
 _TEMPERATURE = re.compile(r"(°|deg ?)[CF]|K")
 _NUMBER = re.compile(r"[-+]?\d+(\.\d*)?(e[-+]?\d+)?")
 _NEAR, _REST = 0.1, 0.01  # of the command; of the greatest one: so much moves what rests
+BELOW = "below"  # how a value is apart from its command
 _KNOWN = 50  # readings until it is known to follow
 _APART_S, _APART = 20.0, 8  # seconds and readings: shorter is a ramp
 _FOLLOWS_USUALLY = 0.9  # of the readings near the command
@@ -314,7 +315,7 @@ def _apart(beside: _Beside, packet: Packet, parameter: Parameter, raw: int, comm
     if follows and beside.row >= _APART and packet.epoch_s - beside.since_s >= _APART_S:
         hit = _hit("apart", parameter, beside.packet, beside.since_s, packet.epoch_s)
         part = f"{abs(apart) / abs(command):.0%} " if command else ""
-        where = "below" if abs(raw) < abs(command) else "above"
+        where = BELOW if abs(raw) < abs(command) else "above"
         yield hit._replace(
             detail=f"{part.replace('%', ' %')}{where} {FOLLOWS[parameter.ident]}", worst=float(abs(apart))
         )
