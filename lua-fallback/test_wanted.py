@@ -27,7 +27,6 @@ SHUFFLED = random.Random(48).sample(NAMES, len(NAMES))
 TOGETHER = 60
 CHUNKS = [SHUFFLED[at : at + TOGETHER] for at in range(0, len(NAMES), TOGETHER)]
 PAIRS = [SHUFFLED[at : at + 2] for at in range(0, len(NAMES), 2)]
-QUICK_PAIRS = 1
 
 Columns = dict[str, tuple[str, ...]]
 
@@ -82,11 +81,8 @@ def test_many_fields(names: list[str], script: Tshark, capture: Path, among_all:
     check(script, capture, names, among_all)
 
 
-@pytest.mark.parametrize(
-    "names",
-    [pytest.param(pair, marks=() if at < QUICK_PAIRS else pytest.mark.thorough) for at, pair in enumerate(PAIRS)],
-    ids=lambda names: names[0],
-)
+@pytest.mark.thorough
+@pytest.mark.parametrize("names", PAIRS, ids=lambda names: names[0])
 def test_pairs_and_filters(names: list[str], script: Tshark, capture: Path, among_all: Columns) -> None:
     """As the page asks for them: a filter leaves the same packets, with the same words in the list."""
     check(script, capture, names, among_all)
@@ -96,6 +92,7 @@ def test_pairs_and_filters(names: list[str], script: Tshark, capture: Path, amon
         assert script.output(*filtering, *wanted([name])) == script.output(*filtering)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("protocol", ["sertap", "sis"])
 def test_a_protocol_has_all_of_its_fields(protocol: str, script: Tshark, capture: Path, among_all: Columns) -> None:
     names = [name for name in NAMES if name.startswith(f"{protocol}.")]

@@ -38,7 +38,13 @@ def _check(line: str, seconds: float) -> None:
 
 
 @pytest.mark.attack("lines of a log that make a naive search begin again at each character", "read within seconds")
-@pytest.mark.parametrize(("piece", "end"), _HOSTILE, ids=range(len(_HOSTILE)))
+@pytest.mark.parametrize(
+    ("piece", "end"),
+    [
+        pytest.param(*line, id=str(number), marks=pytest.mark.thorough if number % 3 else ())
+        for number, line in enumerate(_HOSTILE)
+    ],
+)
 def test_a_hostile_line(piece: str, end: str) -> None:
     _check(piece * (_LENGTH // len(piece)) + end, _SHARE)
 

@@ -1164,7 +1164,7 @@ WITHOUT_PYSERIAL = "import sys; sys.modules['serial'] = None; from sistap.cli im
         (["capture", "--help"], 0, ""),
         (["capture", "-i", "bus://127.0.0.1:1"], 3, "nothing listens at bus://127.0.0.1:1"),
         (["bus", "--baud", "0"], 2, "--baud 0 is no rate"),
-        (["ports"], 1, f"{sys.executable} -m pip install pyserial"),
+        (["ports"], 1, f"{sys.executable} -P -m pip install pyserial"),
         (["capture", "-i", "socket://127.0.0.1:1"], 1, "pyserial is missing"),
     ],
 )

@@ -412,7 +412,7 @@ def test_without_pyserial() -> None:
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert f"bad   pyserial   pyserial is missing for {sys.executable}: " in done.stdout
-    assert f"{sys.executable} -m pip install pyserial" in done.stdout
+    assert f"{sys.executable} -P -m pip install pyserial" in done.stdout
     assert done.stderr == ""
 
 

@@ -16,6 +16,7 @@ LOCK = (ROOT / "capture/develop.lock").read_text()
 PROJECT = tomllib.loads((ROOT / "capture/pyproject.toml").read_text())["project"]
 
 
+@pytest.mark.style
 def test_the_table_of_attacks_is_that_of_the_tests() -> None:
     rows = re.findall(r"^\| (.+) \| (\d+) \| (.+) \|$", (ROOT / "SECURITY.md").read_text("utf-8"), re.MULTILINE)
     assert {(tried, result) for tried, _, result in rows} == set(known())
