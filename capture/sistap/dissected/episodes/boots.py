@@ -86,25 +86,30 @@ class Boots:
         if boot is None:
             return
         begun = {station for station, steps in boot.stations.items() if steps & SWITCH or {_IDENTIFY, _SET} <= steps}
-        place = boot.packet, boot.begin_s, boot.last_s
-        again = begun & boot.known
-        is_first = begun and not again and boot.begin_s - self._goes_on_s > _APART_S
+        is_first = bool(begun) and not begun & boot.known and boot.begin_s - self._goes_on_s > _APART_S
         if is_first or (len(begun) > 1 and 2 * len(begun) >= len(self._known)):
-            ready = f", ready {boot.ready_s - boot.begin_s:.0f} s later" if boot.ready_s else ""
-            alone = " ".join(map(str, sorted(begun))) if is_first and boot.known else ""  # others run
-            hit = Hit("boot", *place, None, "", f"{numbers(begun)}{ready}", float(len(begun)), port=port, topic=alone)
-            if again and not ready and not any(boot.stations[station] - SWITCH for station in begun):
-                self._switched = begun, hit  # each phase is told, unless they come back: an initialisation with a stop
-                return
-            if self._switched and ready and self._switched[0] <= begun:
-                yield self._switched[1]
-            self._switched = None
-            yield hit
-            for station, phase in boot.phases.items() if boot.ready_s else ():
-                if phase != _READY:
-                    yield Hit("stuck", *place, station, "", f"stays in phase {phase}, others are in phase 4", port=port)
+            yield from self._together(port, boot, begun, others_run=is_first and bool(boot.known))
             return
         for station in begun:
             steps = "identified, " if _IDENTIFY in boot.stations[station] else ""
             if boot.stations[station] - SWITCH:
-                yield Hit("restart", *place, station, "", f"{steps}initialised again", port=port)
+                place = boot.packet, boot.begin_s, boot.last_s, station
+                yield Hit("restart", *place, "", f"{steps}initialised again", port=port)
+
+    def _together(self, port: str, boot: _Boot, begun: set[int], *, others_run: bool) -> Iterator[Hit]:
+        """Yield an initialisation. Stations that run are only switched to another phase, unless they come back."""
+        place = boot.packet, boot.begin_s, boot.last_s
+        ready = f", ready {boot.ready_s - boot.begin_s:.0f} s later" if boot.ready_s else ""
+        topic = " ".join(map(str, sorted(begun))) if others_run else ""
+        detail = f"{numbers(begun)}{ready}"
+        hit = Hit("boot", *place, None, "", detail, float(len(begun)), port=port, topic=topic)
+        if begun & boot.known and not ready and all(boot.stations[station] <= SWITCH for station in begun):
+            self._switched = begun, hit
+            return
+        if self._switched and ready and self._switched[0] <= begun:
+            yield self._switched[1]
+        self._switched = None
+        yield hit
+        for station, phase in boot.phases.items() if ready else ():
+            if phase != _READY:
+                yield Hit("stuck", *place, station, "", f"stays in phase {phase}, others are in phase 4", port=port)
