@@ -8,7 +8,10 @@ from typing import NamedTuple
 
 import pytest
 from machines import FAULT, LAPTOP, PANEL, RUNS, STANDS, Machine, access, diagnosis
-from test_kinds import ESTOP, FURTHER, Play, pause, run, then
+from test_kinds import ESTOP, FURTHER, Play, event, pause, run, then
+
+from sistap.dissected.episodes.rules import Severity
+from sistap.tap.records.record import Event
 
 STATUS = access(5, "S-0-0135", "0x2000", number=8192.0)  # shut down by an error
 HOMED, NOT_HOMED = (access(3, "S-0-0403", f"0b{bit}", number=float(bit)) for bit in (1, 0))
@@ -82,6 +85,16 @@ CASES = (
         *("OK", "Changed: nothing"),
     ),
     Case(
+        "phases that last for minutes, of one drive after the other",
+        then(run(300), switched("0"), run(90), switched("2"), run(180), switched("3"), run(90), switched("4"), run(60)),
+        *("OK", "Changed: nothing"),
+    ),
+    Case(
+        "a laptop leaves phase 2, and the machine is switched off and on",
+        then(run(300), switched("2", master=LAPTOP), run(300), pause(600), do("boot"), run(300)),
+        *("OK, 3 things to look at", "station 5 phase unknown -> 2"),
+    ),
+    Case(
         "a laptop switches all drives to phase 2",
         then(run(300), switched("2", master=LAPTOP)),
         *("OK, 3 things to look at", "station 5 phase unknown -> 2"),
@@ -105,6 +118,36 @@ CASES = (
         "another drive is silent while two are initialised for the first time",
         then(run(100), do("boot", 5, 6), dead(4, 8, 1), run(60)),
         *("NOT OK", "station silent (station 4)", (3, 4)),
+    ),
+    Case(
+        "a drive comes up by itself after two are initialised for the first time",
+        then(run(60), do("boot", 4, 5), do("silent", 6, 10, every_s=1.5), do("exchange", station=6, service=0x00)),
+        *("OK", "Silent: nothing", (3,)),
+    ),
+    Case(
+        "a drive is silent from the beginning until somebody switches off and on",
+        then(dead(5, 100), pause(30), do("boot"), run(300)),
+        *("NOT OK", "station silent (station 5)"),
+    ),
+    Case(
+        "a drive is silent from the beginning until it alone is initialised",
+        then(dead(5, 100), do("boot", 5), run(300)),
+        *("NOT OK", "station silent (station 5)"),
+    ),
+    Case(
+        "a drive comes on later than the others",
+        then(dead(5, 10), pause(20), do("boot"), run(300)),
+        *("OK", "Silent: nothing"),
+    ),
+    Case(
+        "a station that is not there, before a start",
+        then(*[then(do("run", 2), do("silent", 9))] * 100, pause(300), do("boot"), run(30)),
+        *("OK, 1 thing to look at", "station 9 never answered 100 commands"),
+    ),
+    Case(
+        "a capture ends just after a pause of the bus",
+        then(do("run", 10, every_s=1), pause(20), *(do("silent", 5, 4) for _ in range(3))),
+        *("OK", "Silent: nothing"),
     ),
     Case(
         "a capture ends while a drive is not up yet",
@@ -259,9 +302,11 @@ def test_a_visitor_of_a_good_capture_is_not_missed() -> None:
 
 
 def test_a_second_bus_is_not_that_of_the_good_capture(good: Machine) -> None:
-    """Nobody knows what is usual there."""
-    one, other = (Machine(before=good.engine, interface=name) for name in "ab")
+    """Nobody knows what is usual there, also where a capture ends."""
+    one, other = Machine(before=good.engine, interface="a"), Machine(3, 4, interface="b")
     other.engine = one.engine
     run(300)(one)
-    then(run(300, has_panel=False), dead(5, 100))(other)
-    assert not other.told().of("vanished")
+    then(run(300, has_panel=False), dead(5, 100), event(Event.CAPTURE_STARTED))(other)
+    told = other.told()
+    assert not told.of("vanished")
+    assert [one.severity for one in told.of("silent")] == [Severity.WARNING]

@@ -19,6 +19,7 @@ _LIKE = chain(LIKE.items(), *(like.items() for like in LIKE_IF_SET.values()))
 SWITCH = {0x1D, *(service for service, general in _LIKE if general == 0x1D)}  # those with a phase: set by a preference
 STEPS = {_IDENTIFY, _SET, *SWITCH}
 _READY = "4"  # operating mode (chapter 8.5)
+AGAIN = "again"  # topic of an initialisation of stations that had answered before
 _APART_S = 60.0  # steps that follow one another within this time belong together
 
 
@@ -44,7 +45,8 @@ class Boots:
         self._known = known
         self._has_begun = False
         self._goes_on_s = -math.inf  # when a file began before which, in none here, others may have answered
-        self._switched: tuple[set[int], Hit] | None = None  # stations that ran, to another phase
+        self._away: set[int] = set()  # stations that ran, and were switched to another phase
+        self._switched: list[Hit] = []  # how they were
 
     def add(self, packet: Packet) -> Iterable[Hit]:
         """Return what is over with a packet."""
@@ -55,6 +57,7 @@ class Boots:
         if packet.type == EVENT:
             if packet.is_seam:
                 hits += self.finish(packet.interface)
+                self._forget_switched()
             if packet.is_kept_apart or (packet.goes_on and not self._has_begun):
                 self._goes_on_s = packet.epoch_s
             elif packet.is_seam:
@@ -80,6 +83,10 @@ class Boots:
             if telegram.phase == _READY:
                 self._boot.last_s = self._boot.ready_s = packet.ended_s
 
+    def _forget_switched(self) -> None:
+        self._away.clear()
+        self._switched.clear()
+
     def finish(self, port: str) -> Iterator[Hit]:
         """Yield what is under way: of most stations, or of some alone."""
         boot, self._boot = self._boot, None
@@ -88,7 +95,8 @@ class Boots:
         begun = {station for station, steps in boot.stations.items() if steps & SWITCH or {_IDENTIFY, _SET} <= steps}
         is_first = bool(begun) and not begun & boot.known and boot.begin_s - self._goes_on_s > _APART_S
         if is_first or (len(begun) > 1 and 2 * len(begun) >= len(self._known)):
-            yield from self._together(port, boot, begun, others_run=is_first and bool(boot.known))
+            topic = AGAIN if not is_first else " ".join(map(str, sorted(begun))) if boot.known else ""
+            yield from self._together(port, boot, begun, topic)
             return
         for station in begun:
             steps = "identified, " if _IDENTIFY in boot.stations[station] else ""
@@ -96,19 +104,23 @@ class Boots:
                 place = boot.packet, boot.begin_s, boot.last_s, station
                 yield Hit("restart", *place, "", f"{steps}initialised again", port=port)
 
-    def _together(self, port: str, boot: _Boot, begun: set[int], *, others_run: bool) -> Iterator[Hit]:
-        """Yield an initialisation. Stations that run are only switched to another phase, unless they come back."""
+    def _together(self, port: str, boot: _Boot, begun: set[int], topic: str) -> Iterator[Hit]:
+        """Yield an initialisation. Stations that run are only switched to another phase, unless all come back."""
         place = boot.packet, boot.begin_s, boot.last_s
         ready = f", ready {boot.ready_s - boot.begin_s:.0f} s later" if boot.ready_s else ""
-        topic = " ".join(map(str, sorted(begun))) if others_run else ""
         detail = f"{numbers(begun)}{ready}"
         hit = Hit("boot", *place, None, "", detail, float(len(begun)), port=port, topic=topic)
-        if begun & boot.known and not ready and all(boot.stations[station] <= SWITCH for station in begun):
-            self._switched = begun, hit
-            return
-        if self._switched and ready and self._switched[0] <= begun:
-            yield self._switched[1]
-        self._switched = None
+        if all(boot.stations[station] <= SWITCH for station in begun):
+            if begun & boot.known and not ready:
+                self._away |= begun
+                self._switched.append(hit)
+                return
+            self._away -= begun
+            if not self._away:
+                yield from self._switched
+                self._forget_switched()
+        else:
+            self._forget_switched()
         yield hit
         for station, phase in boot.phases.items() if ready else ():
             if phase != _READY:

@@ -217,15 +217,20 @@ class Engine:
             if name not in self._buses:
                 before = self._before._bus(name) if self._before else None
                 self._buses[name] = Bus(packet.interface, self._thresholds, self._since_s, before)
+                self._expect()
             bus = self._at[packet.interface] = self._buses[name]
         return bus
+
+    def _expect(self) -> None:
+        """Expect nobody at a bus that is not in the good capture. An only one may have another name now."""
+        if self._before and len(self._buses) > 1:
+            for name in self._buses.keys() - self._before._buses.keys():
+                self._buses[name].masters.expect_nobody()
+                self._buses[name].silence.expect_nobody()
 
     def finish(self) -> list[Episode]:
         """Return all episodes, in the order of their beginning; some are known only at the end."""
         for name, bus in self._buses.items():
-            if self._before and len(self._buses) > 1 and name not in self._before._buses:
-                bus.masters.expect_nobody()
-                bus.silence.expect_nobody()
             self._book.add(bus.finish())
             before = self._before._bus(name) if self._before else None
             if before:

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from sistap.dissected.episodes.boots import AGAIN
 from sistap.dissected.episodes.episode import ARROW, Episode
 from sistap.dissected.episodes.rules import Severity, Thresholds
 from sistap.dissected.episodes.silence import AT_FIRST
@@ -63,6 +64,7 @@ EXPLAINS: dict[str, _Explained] = {
     "early": _Explained(_NO_ANSWER, same_station=True),
 }
 _BY_AN_EDGE = {"step", "blip", "changed"}  # a level lasts as long as its state, or until the next one
+_BOOTS = {"boot", "off"}
 _LASTING = {"silent", "fault", "warning", "homing"}  # what a drive still is
 _UP_S = 20.0  # so much later than others, a drive may be up
 _SOON_OFF_S = 5.0  # so long before a machine is off, its drives may be
@@ -177,7 +179,8 @@ def _switched_off(episodes: Sequence[Episode]) -> list[Episode]:
 
 def _mark_alone(episodes: Sequence[Episode], off: Episode) -> None:
     """Mark the silences that began before a machine was off, if most drives answered until then."""
-    gone = [one for one in episodes if one.kind == "silent" and 0 < off.from_s - _SOON_OFF_S - one.from_s <= SOON_S]
+    silent = (one for one in episodes if one.kind == "silent" and one.hit.topic != AT_FIRST)
+    gone = [one for one in silent if 0 < off.from_s - _SOON_OFF_S - one.from_s <= SOON_S]
     if 2 * len(set[int]().union(*(one.stations for one in gone))) < (off.hit.worst or 0):
         for one in gone:
             one.hit = one.hit._replace(topic=_ALONE)
@@ -238,16 +241,17 @@ def _is_explained(one: Episode, state: Episode, explained: _Explained) -> bool:
     begins, ends = begin_s <= one.from_s <= end_s, begin_s <= one.to_s <= end_s
     if one.kind == "homing":  # an axis is homed any time later
         return begins
-    if one.hit.topic == AT_FIRST and state.kind in ("boot", "off"):  # a panel may ask for hours before
+    if one.hit.topic == AT_FIRST and state.kind in _BOOTS and not state.hit.topic:  # a panel may ask for hours
         return ends
     return begins or ends if one.kind in _BY_AN_EDGE else begins and ends
 
 
 def _is_of_others(one: Episode, state: Episode, explained: _Explained) -> bool:
     """Tell whether it is of stations that the state says nothing of."""
-    if state.kind in ("boot", "off"):
-        alone = {int(number) for number in state.hit.topic.split()}  # if others ran
-        return bool(alone) and not one.stations <= alone
+    if state.kind in _BOOTS:
+        alone = {int(number) for number in state.hit.topic.split() if number != AGAIN}  # if others ran
+        is_new = one.hit.topic == AT_FIRST and one.from_s >= state.from_s
+        return one.kind in ("silent", "phase") and bool(alone) and not one.stations <= alone and not is_new
     return explained.same_station and not one.stations <= state.stations
 
 
@@ -259,12 +263,12 @@ def _is_set_by_somebody(one: Episode) -> bool:
 
 def _says_more(one: Episode, state: Episode) -> bool:
     """Tell whether it lasts after the state, or came too long before it to be a part of it."""
-    later_s = _UP_S if state.kind in ("boot", "off") else 0.0
+    later_s = _UP_S if state.kind in _BOOTS or state.kind == "bus_silent" else 0.0
     if one.kind in _LASTING and one.outcome and one.to_s > state.to_s + later_s and not state.outcome:
         return True
     if one.kind == "apart":  # an axis that coasts is above its command
         return state.kind == "stopped" and BELOW in one.hit.detail and one.from_s < state.from_s - _RAMP_S
-    if one.kind != "silent" or one.hit.topic == AT_FIRST:
+    if one.kind != "silent" or one.severity < Severity.ERROR or one.hit.topic == AT_FIRST:
         return False
     if state.kind == "off":
         return one.hit.topic == _ALONE or one.to_s < state.from_s - _SOON_OFF_S

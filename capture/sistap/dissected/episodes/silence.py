@@ -231,7 +231,7 @@ class StationSilence:
             kind, detail = "silent", f"{seconds(lasted_s)}, {asked.count} commands without a reaction"
             topic = "" if asked.has_answered else AT_FIRST
             if topic and not is_over and station not in self._there:
-                detail, severity = f"never answered {asked.count} commands", Severity.WARNING
+                detail, severity, topic = f"never answered {asked.count} commands", Severity.WARNING, ""
         elif asked.is_repeated:
             kind, detail = "repeated", "a command without a reaction"
         place = asked.first, asked.from_s, asked.to_s, station
