@@ -23,7 +23,7 @@ class Part(NamedTuple):
 PASSING = ("_loop", "_take_waiting", "_take", "_idle")
 
 # Each room has a file of tests that say what a person would see; they need no tshark.
-EPISODES = ("test_borders.py", "test_verdicts.py", "test_small_cases.py", "test_kinds.py", "test_alike.py")
+EPISODES = tuple(f"test_{name}.py" for name in ("not_hidden", "borders", "verdicts", "small_cases", "kinds", "alike"))
 PACKETS = ("test_packet_columns.py", "test_figures.py", "test_report_distribution.py")
 ACCESSES = ("test_packet_columns.py", "test_parameter_lines.py")
 REPORT = ("test_figures.py",)
