@@ -145,6 +145,11 @@ CASES = (
         *("OK, 1 thing to look at", "station 9 never answered 100 commands"),
     ),
     Case(
+        "a station that is not there, during a start",
+        then(do("silent", 9, 30, every_s=1.0), do("boot"), run(30)),
+        *("OK", "Silent: nothing"),
+    ),
+    Case(
         "a capture ends just after a pause of the bus",
         then(do("run", 10, every_s=1), pause(20), *(do("silent", 5, 4) for _ in range(3))),
         *("OK", "Silent: nothing"),
@@ -190,6 +195,11 @@ CASES = (
     Case(
         "somebody switches off while a drive is silent",
         then(run(300), dead(4, 20), pause(30), do("boot"), run(300)),
+        *("NOT OK", "station silent (station 4)"),
+    ),
+    Case(
+        "somebody switches off for the second time while a drive is silent",
+        then(run(300), pause(300), do("boot"), run(300), dead(4, 20), pause(30), do("boot"), run(300)),
         *("NOT OK", "station silent (station 4)"),
     ),
     Case(
@@ -242,6 +252,11 @@ CASES = (
         "a fault that a panel read as text, and the control sees go",
         then(run(300), says(FAULT, 4), run(10), do("exchange", TEXT, master=PANEL), says(RUNS, 4), run(300)),
         *("NOT OK", "NOT OK, 06:00:00 to 06:10:10: fault F2028 (station 4)."),
+    ),
+    Case(
+        "a fault beside a text without a code",
+        then(run(300), says(FAULT, 4), run(10), do("exchange", access(4, "S-0-0095", '"Drive not ready"'))),
+        *("NOT OK", "now fault F2028 (station 4)"),
     ),
     Case(
         "a fault in number and text that lasts",
