@@ -198,6 +198,11 @@ CASES = (
         *("NOT OK", "station silent (station 4)"),
     ),
     Case(
+        "somebody switches off while a drive is silent and the others have a fault",
+        then(run(300), says(FAULT, 3, 5), dead(4, 20), pause(30), says(RUNS, 3, 5), do("boot"), run(300)),
+        *("NOT OK", "station silent (station 4)"),
+    ),
+    Case(
         "somebody switches off for the second time while a drive is silent",
         then(run(300), pause(300), do("boot"), run(300), dead(4, 20), pause(30), do("boot"), run(300)),
         *("NOT OK", "station silent (station 4)"),
