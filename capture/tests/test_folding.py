@@ -229,9 +229,8 @@ WITHIN = {
 def test_all_that_a_state_tells(name: str) -> None:
     """And nothing else."""
     for kind in RULES.keys() - ELSEWHERE - {name}:
-        is_boot = "boot" in (name, kind)  # that of a single station explains less
-        one = episode(kind, FROM_S, TO_S, None if is_boot else 4, severity=Severity.NOTE if kind == "write" else None)
-        found = kinds(*state(name, None if is_boot else 4), one)
+        one = episode(kind, FROM_S, TO_S, 4, severity=Severity.NOTE if kind == "write" else None)
+        found = kinds(*state(name, 4), one)
         assert found.count(kind) == (kind not in WITHIN[name].split()), kind
 
 

@@ -134,7 +134,9 @@ def trapped(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("module", entrances())
-@pytest.mark.attack("`python3 -m` in a folder with a file for each module that Python loads later", "not imported")
+@pytest.mark.attack(
+    "`python3 -m` in a folder with a file for each module that Python has not loaded yet", "not imported"
+)
 def test_modules_of_a_foreign_folder_are_not_imported(trapped: Path, module: str) -> None:
     assert "trapped by" not in entered(trapped, "-m", module)
 

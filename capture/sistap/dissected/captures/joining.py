@@ -21,8 +21,8 @@ _USB = {186, 189, 220, 249, 266}  # link types (tcpdump.org/linktypes.html): Fre
 def check_captures(named: Iterable[Path], say: Callable[[str], None], output: str | None = None) -> list[Path]:
     """Return all captures, those of a folder one by one. Say what is left out of a folder because it cannot be read.
 
-    Refusal unless all others can be read again, none is the output, and each is there once: nobody can tell that of
-    several if one is packed.
+    Refusal unless all others can be read again, none is the output, and each is there once. A packed one among several
+    is refused: nobody can tell whether it is a copy.
     """
     captures = [capture for path in named for capture in (_readable(_inside(path), say) if path.is_dir() else [path])]
     for capture in captures:

@@ -19,7 +19,8 @@ _LIKE = chain(LIKE.items(), *(like.items() for like in LIKE_IF_SET.values()))
 SWITCH = {0x1D, *(service for service, general in _LIKE if general == 0x1D)}  # those with a phase: set by a preference
 STEPS = {_IDENTIFY, _SET, *SWITCH}
 _READY = "4"  # operating mode (chapter 8.5)
-AGAIN = "again"  # topic of an initialisation of stations that had answered before
+# Topics of an initialisation: of stations that had answered before; the first one of some beside others, their numbers.
+AGAIN = "again"
 _APART_S = 60.0  # steps that follow one another within this time belong together
 
 
@@ -43,8 +44,8 @@ class Boots:
         """Begin with none; `known` are the stations that have answered until now."""
         self._boot: _Boot | None = None
         self._known = known
-        self._has_begun = False
-        self._goes_on_s = -math.inf  # when a file began before which, in none here, others may have answered
+        self._has_begun = False  # an event has said where a capture or a file begins
+        self._goes_on_s = -math.inf  # when a file began whose beginning is in another one: who answered there?
         self._away: set[int] = set()  # stations that ran, and were switched to another phase
         self._switched: list[Hit] = []  # how they were
 
@@ -95,8 +96,8 @@ class Boots:
         begun = {station for station, steps in boot.stations.items() if steps & SWITCH or {_IDENTIFY, _SET} <= steps}
         is_first = bool(begun) and not begun & boot.known and boot.begin_s - self._goes_on_s > _APART_S
         if is_first or (len(begun) > 1 and 2 * len(begun) >= len(self._known)):
-            topic = AGAIN if not is_first else " ".join(map(str, sorted(begun))) if boot.known else ""
-            yield from self._together(port, boot, begun, topic)
+            beside_others = " ".join(map(str, sorted(begun))) if boot.known else ""
+            yield from self._together(port, boot, begun, beside_others if is_first else AGAIN)
             return
         for station in begun:
             steps = "identified, " if _IDENTIFY in boot.stations[station] else ""

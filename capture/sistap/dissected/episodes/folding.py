@@ -19,7 +19,7 @@ from sistap.dissected.episodes.episode import ARROW, Episode
 from sistap.dissected.episodes.rules import Severity, Thresholds
 from sistap.dissected.episodes.silence import AT_FIRST
 from sistap.dissected.episodes.standard import FOLLOWS
-from sistap.dissected.episodes.values import BELOW
+from sistap.dissected.episodes.values import APART_S, BELOW
 
 SOON_S = 60.0  # values of a panel are read so late; a cause and its effect are so far apart
 _BOOT_S = 180.0  # from the end of a silence to the first initialisation
@@ -66,10 +66,9 @@ EXPLAINS: dict[str, _Explained] = {
 _BY_AN_EDGE = {"step", "blip", "changed"}  # a level lasts as long as its state, or until the next one
 _BOOTS = {"boot", "off"}
 _LASTING = {"silent", "fault", "warning", "homing"}  # what a drive still is
-_UP_S = 20.0  # so much later than others, a drive may be up
-_SOON_OFF_S = 5.0  # so long before a machine is off, its drives may be
+_UP_S = 20.0  # a drive may be up so much later than the others
+_SOON_OFF_S = 5.0  # drives may fall silent so long before their bus does
 _ALONE = "alone"  # topic of a silence that began before a machine was off, while most drives answered
-_RAMP_S = 20.0  # so long before a machine stands, its drives may leave their commands
 
 # Of several stations they are one, if they begin and end within so many seconds of one another.
 _TOGETHER: dict[str, float] = {
@@ -262,12 +261,12 @@ def _is_set_by_somebody(one: Episode) -> bool:
 
 
 def _says_more(one: Episode, state: Episode) -> bool:
-    """Tell whether it lasts after the state, or came too long before it to be a part of it."""
+    """Tell whether it lasts longer than the state, or came too long before it to be a part of it."""
     later_s = _UP_S if state.kind in _BOOTS or state.kind == "bus_silent" else 0.0
     if one.kind in _LASTING and one.outcome and one.to_s > state.to_s + later_s and not state.outcome:
         return True
     if one.kind == "apart":  # an axis that coasts is above its command
-        return state.kind == "stopped" and BELOW in one.hit.detail and one.from_s < state.from_s - _RAMP_S
+        return state.kind == "stopped" and BELOW in one.hit.detail and one.from_s < state.from_s - APART_S
     if one.kind != "silent" or one.severity < Severity.ERROR or one.hit.topic == AT_FIRST:
         return False
     if state.kind == "off":

@@ -123,7 +123,7 @@ class Masters:
             if number not in self._usual:
                 if master.stations - self._usual:
                     yield _visit(port, number, master)
-            elif self._is_missed(master, self._missed_s(master), self._commands - master.before):
+            elif self._has_left(master):
                 detail = f"asks nothing any more, others do ({master.commands} commands until then)"
                 yield self._vanished(port, self._last_s - self._missed_s(master), f"master {number} {detail}")
         began_s = self._began_s or 0.0
@@ -136,11 +136,13 @@ class Masters:
         self._absent.clear()
 
     def present(self) -> Iterator[tuple[int, _Master]]:
-        """Yield the usual masters that asked until the end."""
+        """Yield the usual masters that have not left. Whoever asked little is never missed."""
         for number, master in self._masters.items():
-            is_known = number in self._usual and master.commands >= self._thresholds.learning_commands
-            if is_known and not self._is_missed(master, self._missed_s(master), self._commands - master.before):
+            if number in self._usual and not self._has_left(master):
                 yield number, master
+
+    def _has_left(self, master: _Master) -> bool:
+        return self._is_missed(master, self._missed_s(master), self._commands - master.before)
 
     def _missed_s(self, master: _Master) -> float:
         return self._last_s - self._silent_s - master.at_s

@@ -165,9 +165,9 @@ class StationSilence:
     def finish(self, port: str) -> Iterator[Hit]:
         """Yield silences that last to the end."""
         for hit in self._last(port):
-            is_there = hit.kind == "silent" and hit.severity is None
-            outcome = "" if not is_there else "not heard" if hit.topic == AT_FIRST else "not heard again"
-            yield hit._replace(outcome=outcome)
+            was_there = hit.kind == "silent" and hit.severity is None  # else it never answered
+            again = "" if hit.topic == AT_FIRST else " again"
+            yield hit._replace(outcome=f"not heard{again}") if was_there else hit
 
     def _last(self, port: str) -> Iterator[Hit]:
         self._resolve()
@@ -229,9 +229,10 @@ class StationSilence:
         lasted_s = asked.to_s - asked.from_s
         if asked.count >= self._thresholds.silent_commands and lasted_s >= self._thresholds.silent_s:
             kind, detail = "silent", f"{seconds(lasted_s)}, {asked.count} commands without a reaction"
-            topic = "" if asked.has_answered else AT_FIRST
-            if topic and not is_over and station not in self._there:
-                detail, severity, topic = f"never answered {asked.count} commands", Severity.WARNING, ""
+            if not asked.has_answered and (is_over or station in self._there):
+                topic = AT_FIRST
+            elif not asked.has_answered:
+                detail, severity = f"never answered {asked.count} commands", Severity.WARNING
         elif asked.is_repeated:
             kind, detail = "repeated", "a command without a reaction"
         place = asked.first, asked.from_s, asked.to_s, station

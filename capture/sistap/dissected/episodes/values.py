@@ -39,7 +39,7 @@ _NUMBER = re.compile(r"[-+]?\d+(\.\d*)?(e[-+]?\d+)?")
 _NEAR, _REST = 0.1, 0.01  # of the command; of the greatest one: so much moves what rests
 BELOW = "below"  # how a value is apart from its command
 _KNOWN = 50  # readings until it is known to follow
-_APART_S, _APART = 20.0, 8  # seconds and readings: shorter is a ramp
+APART_S, _APART = 20.0, 8  # seconds and readings: shorter is a ramp
 _FOLLOWS_USUALLY = 0.9  # of the readings near the command
 _CHATTERS, _CHATTER_S = 6, 300.0  # changes within a time, of a state that otherwise rests
 
@@ -312,7 +312,7 @@ def _apart(beside: _Beside, packet: Packet, parameter: Parameter, raw: int, comm
         beside.since_s, beside.packet = packet.epoch_s, packet.number
     beside.row += 1
     follows = beside.near >= _KNOWN and beside.near >= _FOLLOWS_USUALLY * (beside.near + beside.far)
-    if follows and beside.row >= _APART and packet.epoch_s - beside.since_s >= _APART_S:
+    if follows and beside.row >= _APART and packet.epoch_s - beside.since_s >= APART_S:
         hit = _hit("apart", parameter, beside.packet, beside.since_s, packet.epoch_s)
         part = f"{abs(apart) / abs(command):.0%} " if command else ""
         where = BELOW if abs(raw) < abs(command) else "above"
